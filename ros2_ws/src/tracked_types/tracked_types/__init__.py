@@ -1,0 +1,41 @@
+"""ROS-free data types shared by every package of the stack.
+
+Conventions (REP-103, REP-105): metres, radians, seconds, x forward, y left, z up, angles wrapped to
+(-pi, pi]. Stamps are integer nanoseconds (``stamp_ns``), exact under comparison and equal to what a
+ROS header carries. Every type is a frozen dataclass; arrays inside are float64.
+"""
+
+from tracked_types.angles import angle_difference, wrap_angle
+from tracked_types.command import VelocityCommand
+from tracked_types.goal import GoalReached
+from tracked_types.imu import ImuSample
+from tracked_types.odometry import Odometry
+from tracked_types.period_grid import PeriodGrid
+from tracked_types.pose import Pose2
+from tracked_types.scan import LaserScan
+from tracked_types.slip import Slip
+from tracked_types.solver_status import SolverStatus
+from tracked_types.stamps import NANOSECONDS_PER_SECOND, seconds_between, to_nanoseconds
+from tracked_types.tracks import TrackSample
+from tracked_types.trajectory import Trajectory
+from tracked_types.twist import Twist2
+
+__all__ = [
+    "NANOSECONDS_PER_SECOND",
+    "GoalReached",
+    "ImuSample",
+    "LaserScan",
+    "Odometry",
+    "PeriodGrid",
+    "Pose2",
+    "Slip",
+    "SolverStatus",
+    "TrackSample",
+    "Trajectory",
+    "Twist2",
+    "VelocityCommand",
+    "angle_difference",
+    "seconds_between",
+    "to_nanoseconds",
+    "wrap_angle",
+]
