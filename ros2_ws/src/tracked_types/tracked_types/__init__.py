@@ -6,6 +6,7 @@ ROS header carries. Every type is a frozen dataclass; arrays inside are float64.
 """
 
 from tracked_types.angles import angle_difference, wrap_angle
+from tracked_types.body_state import BodyState
 from tracked_types.command import VelocityCommand
 from tracked_types.goal import GoalReached
 from tracked_types.imu import ImuSample
@@ -22,6 +23,7 @@ from tracked_types.twist import Twist2
 
 __all__ = [
     "NANOSECONDS_PER_SECOND",
+    "BodyState",
     "GoalReached",
     "ImuSample",
     "LaserScan",
