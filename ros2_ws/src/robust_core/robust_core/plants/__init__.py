@@ -1,0 +1,1 @@
+"""Plant models. Laws that other packages compile are plain functions of floats."""
