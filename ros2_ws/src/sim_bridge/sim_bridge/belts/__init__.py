@@ -1,0 +1,1 @@
+"""Belt-force model: what the ground does to two tracks, compiled with numba."""
