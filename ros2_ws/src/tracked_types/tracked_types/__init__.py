@@ -14,6 +14,7 @@ from tracked_types.odometry import Odometry
 from tracked_types.period_grid import PeriodGrid
 from tracked_types.pose import Pose2
 from tracked_types.scan import LaserScan
+from tracked_types.setting import check_settings, setting, settings_of
 from tracked_types.slip import Slip
 from tracked_types.solver_status import SolverStatus
 from tracked_types.stamps import NANOSECONDS_PER_SECOND, seconds_between, to_nanoseconds
@@ -37,7 +38,10 @@ __all__ = [
     "Twist2",
     "VelocityCommand",
     "angle_difference",
+    "check_settings",
     "seconds_between",
+    "setting",
+    "settings_of",
     "to_nanoseconds",
     "wrap_angle",
 ]
