@@ -3,9 +3,10 @@
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
-Value = TypeVar("Value", bool, int, float, str)
+Value = bool | int | float | str
+Default = TypeVar("Default", bool, int, float, str)
 _KEY = "setting"
 
 
@@ -41,19 +42,19 @@ class Setting:
     """A tunable field of a settings dataclass."""
 
     name: str
-    default: bool | int | float | str
+    default: Value
     info: SettingInfo
 
 
 def setting(
-    default: Value,
+    default: Default,
     description: str,
     *,
     unit: str = "",
     low: float | None = None,
     high: float | None = None,
     choices: tuple[str, ...] = (),
-) -> Value:
+) -> Default:
     """A dataclass field that users may tune; its type is that of ``default``."""
     info = SettingInfo(description=description, unit=unit, low=low, high=high, choices=choices)
     return dataclasses.field(default=default, metadata={_KEY: info})
@@ -61,11 +62,8 @@ def setting(
 
 def settings_of(settings_class: type) -> tuple[Setting, ...]:
     """The tunable fields of a settings dataclass, in order of declaration."""
-    return tuple(
-        Setting(field.name, field.default, field.metadata[_KEY])
-        for field in dataclasses.fields(settings_class)
-        if _KEY in field.metadata
-    )
+    tunable = [field for field in dataclasses.fields(settings_class) if _KEY in field.metadata]
+    return tuple(Setting(field.name, cast(Value, field.default), field.metadata[_KEY]) for field in tunable)
 
 
 def check_settings(instance: Any) -> None:
@@ -84,7 +82,7 @@ def check_settings(instance: Any) -> None:
             raise ValueError(f"{type(instance).__name__}.{declared.name} {problem}")
 
 
-def type_problem(default: bool | int | float | str, value: Any) -> str | None:
+def type_problem(default: Value, value: Any) -> str | None:
     """Why ``value`` cannot stand where ``default`` does, or None."""
     expected = type(default)
     if expected is float and type(value) is int:
