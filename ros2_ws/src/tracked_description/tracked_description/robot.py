@@ -33,6 +33,16 @@ class Tracks(CheckedModel):
     force_limit_n: Positive
 
 
+class Drive(CheckedModel):
+    """Speed loop of one belt: what the motor moves, its lag and the gains of its PID."""
+
+    belt_mass_kg: Positive
+    force_lag_s: Positive
+    proportional_nspm: Positive
+    integral_npm: NotNegative
+    derivative_ns2pm: NotNegative
+
+
 class Chassis(CheckedModel):
     """Rigid body carried by the suspension."""
 
@@ -54,6 +64,10 @@ class Suspension(CheckedModel):
     joint_damping_nms: NotNegative
     linear_spring_npm: Positive
     linear_damping_nspm: NotNegative
+    compression_stop_m: Positive
+    extension_stop_m: Positive
+    stop_stiffness_npm: Positive
+    stop_damping_nspm: NotNegative
 
     @property
     def joint_count(self) -> int:
@@ -68,6 +82,8 @@ class Ground(CheckedModel):
     friction_lateral: Positive
     shear_displacement_m: Positive
     rolling_resistance: NotNegative
+    contact_stiffness_npm: Positive
+    contact_damping_nspm: NotNegative
 
 
 class Limits(CheckedModel):
@@ -148,6 +164,7 @@ class Robot(CheckedModel):
 
     name: FrameName
     tracks: Tracks
+    drive: Drive
     chassis: Chassis
     suspension: Suspension
     ground: Ground
