@@ -1,0 +1,114 @@
+"""When simulated time may go on: at the pace of the wall clock, freely, or in step with the commands."""
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Any
+
+from tracked_description import Robot
+from tracked_types import seconds_between, to_nanoseconds
+from tracked_types.setting import check_settings, setting
+
+TIME_MODES = ("paced", "unpaced", "lock_step")
+
+_ROUNDING_NS = 1_000
+"""Slack for stamps that are rounded to whole nanoseconds on several grids."""
+
+_CATCH_UP_S = 0.05
+"""Lag behind the wall clock that is made up for by running faster; beyond it the world slows down instead."""
+
+_METER_WINDOW_S = 2.0
+
+
+class LockStalled(RuntimeError):
+    """In lock-step no command came for too long; the text names the stamp that is waited for."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PacingSettings:
+    """How simulated time goes on; ``budget_ns`` is how far it may run ahead of the newest command's stamp."""
+
+    budget_ns: int
+    time_mode: str = setting(
+        "paced",
+        "Pace of simulated time: as real time, as fast as possible, or locked to the commands (after the first)",
+        choices=TIME_MODES,
+    )
+    lock_step_limit_s: float = setting(
+        10.0, "Wall time without a command after which lock-step gives up with an error", unit="s", low=0.1
+    )
+
+    def __post_init__(self) -> None:
+        check_settings(self)
+
+    @classmethod
+    def from_robot(cls, robot: Robot, **tuning: Any) -> "PacingSettings":
+        """Settings with the budget that never dead-locks: one control period and one odometry period."""
+        budget = 1.0 / robot.control.rate_hz + 1.0 / robot.odometry.rate_hz
+        return cls(budget_ns=to_nanoseconds(budget) + _ROUNDING_NS, **tuning)
+
+
+class Pacer:
+    """Decides before every tick whether it may run yet; knows time only from its arguments."""
+
+    def __init__(self, settings: PacingSettings) -> None:
+        self._settings = settings
+        self._anchor: tuple[int, float] | None = None
+        self._waiting_since_s: float | None = None
+
+    def restart(self) -> None:
+        """Forget the past: the world was paused or reset."""
+        self._anchor = None
+        self._waiting_since_s = None
+
+    def may_advance(self, stamp_ns: int, next_stamp_ns: int, newest_command_ns: int | None, wall_s: float) -> bool:
+        """Whether the tick from ``stamp_ns`` to ``next_stamp_ns`` may run at ``wall_s`` of a steady clock.
+
+        Raises
+        ------
+        LockStalled: in lock-step, if it has been refused for longer than the limit.
+        """
+        if self._settings.time_mode == "unpaced":
+            return True
+        if self._settings.time_mode == "paced" or newest_command_ns is None:
+            return self._paced(stamp_ns, next_stamp_ns, wall_s)
+        return self._locked(next_stamp_ns, newest_command_ns, wall_s)
+
+    def _paced(self, stamp_ns: int, next_stamp_ns: int, wall_s: float) -> bool:
+        if self._anchor is None or self._lag_s(stamp_ns, wall_s) > _CATCH_UP_S:
+            self._anchor = (stamp_ns, wall_s)
+        return self._lag_s(next_stamp_ns, wall_s) >= 0.0
+
+    def _lag_s(self, stamp_ns: int, wall_s: float) -> float:
+        assert self._anchor is not None
+        anchor_ns, anchor_s = self._anchor
+        lag_s: float = (wall_s - anchor_s) - seconds_between(stamp_ns, anchor_ns)
+        return lag_s
+
+    def _locked(self, next_stamp_ns: int, newest_command_ns: int, wall_s: float) -> bool:
+        if next_stamp_ns <= newest_command_ns + self._settings.budget_ns:
+            self._waiting_since_s = None
+            return True
+        if self._waiting_since_s is None:
+            self._waiting_since_s = wall_s
+        waited_s = wall_s - self._waiting_since_s
+        if waited_s > self._settings.lock_step_limit_s:
+            raise LockStalled(
+                f"lock-step: no command for {waited_s:.1f} s of wall time; simulated time stands before "
+                f"{next_stamp_ns / 1e9:.3f} s and the newest command answers {newest_command_ns / 1e9:.3f} s"
+            )
+        return False
+
+
+class RealTimeMeter:
+    """Simulated time per wall time over the last seconds."""
+
+    def __init__(self) -> None:
+        self._marks: deque[tuple[int, float]] = deque()
+
+    def update(self, stamp_ns: int, wall_s: float) -> float:
+        """The factor at this instant; 0 until two instants differ."""
+        self._marks.append((stamp_ns, wall_s))
+        while len(self._marks) > 2 and self._marks[1][1] < wall_s - _METER_WINDOW_S:
+            self._marks.popleft()
+        first_ns, first_s = self._marks[0]
+        return seconds_between(stamp_ns, first_ns) / (wall_s - first_s) if wall_s > first_s else 0.0
