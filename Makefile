@@ -1,0 +1,53 @@
+# Everyday commands; `make` alone lists them.
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+# Runs the set-up only; the stack runs on the Python 3.11 that the set-up finds or brings.
+SYSTEM_PYTHON ?= python3
+# Checked with mypy --strict: everything but nodes and tests, which speak to the untyped rclpy.
+TYPED = $(patsubst %/py.typed,%,$(wildcard ros2_ws/src/*/*/py.typed)) tools/setup
+EMPTY :=
+MYPYPATH = $(subst $(EMPTY) $(EMPTY),:,$(wildcard ros2_ws/src/*))
+
+.PHONY: help setup demo test quick claims check format lock test-robot clean
+
+help: ## list the commands
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{ printf "  make %-12s %s\n", $$1, $$2 }'
+
+setup: ## install everything (first time: network, up to 5 minutes)
+	@command -v $(SYSTEM_PYTHON) > /dev/null || { \
+	  echo 'set-up: Python is missing: install it with `sudo apt-get install python3 python3-venv python3-dev`, then run `make setup` again.' >&2; \
+	  exit 1; }
+	@$(SYSTEM_PYTHON) -B -m tools.setup
+
+demo: setup ## drive over the step with one and with two layers, and report
+	@./run bringup compare
+
+test: setup ## every test
+	@tools/run_tests
+
+quick: setup ## one PASS or FAIL line per claim that needs no DDS, in 15 s
+	@./run claims --quick
+
+claims: setup ## measure every figure that the README quotes
+	@./run claims
+
+check: setup ## lint, format and types
+	@.venv/bin/ruff check .
+	@.venv/bin/ruff format --check .
+	@MYPYPATH=$(MYPYPATH) .venv/bin/mypy --exclude '/(nodes|test)/' $(TYPED)
+
+format: setup ## let ruff lay out the code
+	@.venv/bin/ruff check --fix .
+	@.venv/bin/ruff format .
+
+lock: setup ## resolve requirements/*.in again
+	@tools/lock
+
+test-robot: setup ## tests of the ROS-free packages on Python 3.12 with a robot's packages
+	@tools/test_robot
+
+clean: ## remove all that set-up and runs have made
+	rm -rf .venv .cache out ros2_ws/build ros2_ws/install ros2_ws/log
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,1 @@
+"""Helpers around the stack that are no part of it: set-up of a working tree."""
