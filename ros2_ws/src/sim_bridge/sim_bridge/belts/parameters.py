@@ -1,0 +1,151 @@
+"""Numbers of the belt-force model, flattened for the compiled code."""
+
+import math
+from typing import Literal, NamedTuple
+
+from robust_core.plants.x_structure import STANDARD_GRAVITY_MPS2, XStructure
+from tracked_description import Robot
+
+SuspensionKind = Literal["qzs", "linear", "locked"]
+QZS, LINEAR, LOCKED = 0, 1, 2
+LAWS: dict[SuspensionKind, int] = {"qzs": QZS, "linear": LINEAR, "locked": LOCKED}
+
+
+class BeltParameters(NamedTuple):
+    """One vehicle's constants, SI units; lengths in z are heights in the frame of the centre of mass.
+
+    ``law`` is one of QZS, LINEAR, LOCKED; ``rest_travel`` is the suspension travel that carries the robot on
+    flat ground, where the wheels are ``com_height`` below the centre of mass.
+    """
+
+    sprung_mass: float
+    unit_mass: float
+    half_gauge: float
+    wheel_radius: float
+    wheel_spacing: float
+    com_height: float
+    idler_x: float
+    idler_z: float
+    mount_z: float
+    belt_half_width: float
+    contact_stiffness: float
+    contact_damping: float
+    friction_longitudinal: float
+    friction_lateral: float
+    shear_displacement: float
+    shear_damping: float
+    rolling_resistance: float
+    law: int
+    rest_travel: float
+    spring: float
+    rod_length: float
+    rest_height: float
+    rest_width: float
+    layers: float
+    preload: float
+    joint_damping: float
+    linear_spring: float
+    linear_damping: float
+    compression_stop: float
+    extension_stop: float
+    stop_stiffness: float
+    stop_damping: float
+    belt_mass: float
+    drive_response: float
+    drive_acceleration: float
+    drive_proportional: float
+    drive_integral: float
+    drive_derivative: float
+    motor_lag: float
+    motor_force: float
+
+
+def x_structure_of(robot: Robot) -> XStructure:
+    """The suspension unit of one road wheel as the plant model of robust_core knows it."""
+    suspension = robot.suspension
+    return XStructure(
+        layers=suspension.layers,
+        rod_length_m=suspension.rod_length_m,
+        angle_rad=math.radians(suspension.angle_deg),
+        spring_npm=suspension.spring_npm,
+        joint_damping_nms=suspension.joint_damping_nms,
+        joints=suspension.joint_count,
+    )
+
+
+def unit_load_n(robot: Robot) -> float:
+    """Static load of one suspension unit on flat ground (N): the sprung weight shared evenly."""
+    return robot.chassis.sprung_mass_kg * STANDARD_GRAVITY_MPS2 / (2 * robot.tracks.wheel_count)
+
+
+def rest_travel_m(robot: Robot, kind: SuspensionKind) -> float:
+    """Travel of one unit under its static load (m, negative in compression).
+
+    Raises
+    ------
+    SnapThroughError: if the X structure cannot carry the load.
+    ValueError: if the travel lies beyond a bump stop.
+    """
+    load, suspension = unit_load_n(robot), robot.suspension
+    travel = -load / suspension.linear_spring_npm if kind == "linear" else x_structure_of(robot).equilibrium_m(load)
+    if travel <= -suspension.compression_stop_m:
+        raise ValueError(
+            f"suspension: {load:.2f} N per unit compress it by {-travel * 1e3:.1f} mm, "
+            f"beyond its stop at {suspension.compression_stop_m * 1e3:.1f} mm"
+        )
+    return travel
+
+
+def belt_parameters(robot: Robot, kind: SuspensionKind) -> BeltParameters:
+    """Constants of the model for one robot and one suspension law; raises as `rest_travel_m`."""
+    tracks, chassis, suspension, ground, drive = (
+        robot.tracks,
+        robot.chassis,
+        robot.suspension,
+        robot.ground,
+        robot.drive,
+    )
+    structure, rest = x_structure_of(robot), rest_travel_m(robot, kind)
+    return BeltParameters(
+        sprung_mass=chassis.sprung_mass_kg,
+        unit_mass=chassis.unit_mass_kg,
+        half_gauge=0.5 * tracks.gauge_m,
+        wheel_radius=tracks.wheel_radius_m,
+        wheel_spacing=tracks.wheel_spacing_m,
+        com_height=chassis.com_height_m,
+        idler_x=tracks.idler_x_m,
+        idler_z=tracks.idler_height_m - chassis.com_height_m,
+        mount_z=tracks.wheel_radius_m - chassis.com_height_m + rest,
+        belt_half_width=0.5 * tracks.belt_width_m,
+        contact_stiffness=ground.contact_stiffness_npm,
+        contact_damping=ground.contact_damping_nspm,
+        friction_longitudinal=ground.friction_longitudinal,
+        friction_lateral=ground.friction_lateral,
+        shear_displacement=ground.shear_displacement_m,
+        # Half of critical damping of a mass on its own sheared belt, per newton of normal load.
+        shear_damping=math.sqrt(ground.friction_longitudinal / (STANDARD_GRAVITY_MPS2 * ground.shear_displacement_m)),
+        rolling_resistance=ground.rolling_resistance,
+        law=LAWS[kind],
+        rest_travel=rest,
+        spring=suspension.spring_npm,
+        rod_length=suspension.rod_length_m,
+        rest_height=structure.rest_height_m,
+        rest_width=structure.rest_width_m,
+        layers=float(suspension.layers),
+        preload=structure.preload_m,
+        joint_damping=structure.joint_damping_nms * structure.joint_count,
+        linear_spring=suspension.linear_spring_npm,
+        linear_damping=suspension.linear_damping_nspm,
+        compression_stop=-suspension.compression_stop_m,
+        extension_stop=suspension.extension_stop_m,
+        stop_stiffness=suspension.stop_stiffness_npm,
+        stop_damping=suspension.stop_damping_nspm,
+        belt_mass=drive.belt_mass_kg,
+        drive_response=tracks.motor_time_constant_s,
+        drive_acceleration=tracks.acceleration_limit_mps2,
+        drive_proportional=drive.proportional_nspm,
+        drive_integral=drive.integral_npm,
+        drive_derivative=drive.derivative_ns2pm,
+        motor_lag=drive.force_lag_s,
+        motor_force=tracks.force_limit_n,
+    )

@@ -1,0 +1,137 @@
+"""The bodies of a running world by name: spawn, delete, look up, move."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from sim_bridge.bodies import create_solid
+from sim_bridge.solids import Friction, Solid, Vector
+
+Array = NDArray[np.float64]
+
+
+class EntityError(ValueError):
+    """No such entity, or it cannot be used in this way."""
+
+
+@dataclass(frozen=True, slots=True)
+class EntityState:
+    """Pose of an entity's centre in the world and its velocities there."""
+
+    position_m: Vector
+    roll_pitch_yaw_rad: Vector
+    velocity_mps: Vector = (0.0, 0.0, 0.0)
+    angular_velocity_radps: Vector = (0.0, 0.0, 0.0)
+
+
+class Entities:
+    """Named bodies in one Bullet world.
+
+    ``boxes`` (entities, 6) holds their axis-aligned bounding boxes for the belts' coarse search; it is kept in the
+    order of `names`, and only movable bodies' rows change between spawns.
+    """
+
+    def __init__(self, client: int) -> None:
+        self._client = client
+        self._solids: dict[str, Solid] = {}
+        self._ids: dict[str, int] = {}
+        self._bodies: list[int] = []
+        self._frictions: list[Friction | None] = []
+        self._movable: list[int] = []
+        self.boxes: Array = np.zeros((0, 6))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names in order of spawning."""
+        return tuple(self._solids)
+
+    def solid(self, name: str) -> Solid:
+        """What was spawned under this name."""
+        self._id(name)
+        return self._solids[name]
+
+    def spawn(self, solid: Solid) -> None:
+        """Add a body.
+
+        Raises
+        ------
+        EntityError: if the name is taken.
+        """
+        if solid.name in self._solids:
+            raise EntityError(f"there is already an entity {solid.name!r}")
+        self._ids[solid.name] = create_solid(self._client, solid)
+        self._solids[solid.name] = solid
+        self._index()
+
+    def delete(self, name: str) -> None:
+        """Remove a body; raises EntityError if there is none of this name."""
+        pybullet.removeBody(self._id(name), physicsClientId=self._client)
+        del self._ids[name], self._solids[name]
+        self._index()
+
+    def state(self, name: str) -> EntityState:
+        """Where an entity is and how it moves; raises EntityError if there is none of this name."""
+        body = self._id(name)
+        position, orientation = pybullet.getBasePositionAndOrientation(body, physicsClientId=self._client)
+        velocity, angular = pybullet.getBaseVelocity(body, physicsClientId=self._client)
+        return EntityState(position, pybullet.getEulerFromQuaternion(orientation), velocity, angular)
+
+    def set_state(self, name: str, state: EntityState) -> None:
+        """Put an entity somewhere else, and with a mass give it velocities.
+
+        Raises
+        ------
+        EntityError: if there is none of this name, or a number is not finite.
+        """
+        body = self._id(name)
+        numbers = (*state.position_m, *state.roll_pitch_yaw_rad, *state.velocity_mps, *state.angular_velocity_radps)
+        if len(numbers) != 12 or not np.all(np.isfinite(numbers)):
+            raise EntityError(f"state of {name!r} is not finite or not complete: {state}")
+        orientation = pybullet.getQuaternionFromEuler(state.roll_pitch_yaw_rad)
+        pybullet.resetBasePositionAndOrientation(body, state.position_m, orientation, physicsClientId=self._client)
+        if self._solids[name].mass_kg > 0.0:
+            pybullet.resetBaseVelocity(
+                body, state.velocity_mps, state.angular_velocity_radps, physicsClientId=self._client
+            )
+        self._index()
+
+    def body(self, index: int) -> int:
+        """Bullet's id of the entity in row ``index`` of `boxes`."""
+        return self._bodies[index]
+
+    def friction(self, index: int) -> Friction | None:
+        """Friction of the entity in row ``index``, None where zones and floor decide."""
+        return self._frictions[index]
+
+    def moves(self, index: int) -> bool:
+        """Whether the entity in row ``index`` has a mass."""
+        return index in self._movable
+
+    def refresh(self) -> None:
+        """Follow the movable bodies with `boxes`."""
+        for index in self._movable:
+            self._measure(index)
+
+    def _id(self, name: str) -> int:
+        if name not in self._ids:
+            raise EntityError(f"no entity {name!r}; there are: {', '.join(self._ids) or 'none'}")
+        return self._ids[name]
+
+    def _index(self) -> None:
+        self._bodies = list(self._ids.values())
+        solids = list(self._solids.values())
+        self._frictions = [solid.friction for solid in solids]
+        self._movable = [index for index, solid in enumerate(solids) if solid.mass_kg > 0.0]
+        self.boxes = np.zeros((len(solids), 6))
+        for index in range(len(solids)):
+            self._measure(index)
+
+    def _measure(self, index: int) -> None:
+        lower, upper = pybullet.getAABB(self._bodies[index], -1, physicsClientId=self._client)
+        self.boxes[index, :3], self.boxes[index, 3:] = lower, upper
+
+    def __iter__(self) -> Iterator[Solid]:
+        return iter(self._solids.values())
