@@ -1,0 +1,1 @@
+"""What the topic-level tests share: a domain, a probe node, processes."""
