@@ -1,0 +1,162 @@
+"""Base class of every node of the stack."""
+
+import re
+import time
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.service import Service
+from rclpy.timer import Timer
+
+from node_kit.diagnostics import Level
+from node_kit.diagnostics_publisher import DiagnosticsPublisher
+from node_kit.endpoints import TypedPublisher, TypedSubscription, Value
+from node_kit.failures import CallbackFailures
+from node_kit.input_monitor import InputMonitor
+from node_kit.node_parameters import NodeParameters, value_or_ros
+from node_kit.parameter import BadParameterError, Parameter
+from node_kit.parameter_table import ParameterTable
+from node_kit.services import answering
+from tracked_types.setting import settings_of
+
+if TYPE_CHECKING:
+    from node_kit.transforms import TransformBroadcaster
+
+COMMON_PARAMETERS = ParameterTable(
+    Parameter("frame_prefix", "", 'Prefix of all frame names, such as "robot1/" where several robots share tf.')
+)
+_FRAME_PREFIX = re.compile(r"([A-Za-z_][A-Za-z0-9_]*/?)*")
+
+
+class StackNode(Node):
+    """A node whose parameters come from a table and whose inputs are checked before it sees them.
+
+    A subclass sets NAME and PARAMETERS, makes its algorithm and endpoints in ``__init__`` and translates in its
+    callbacks. An exception in a callback is logged with the callback's name, counted on diagnostics and served on;
+    with EXIT_ON_EXCEPTION it stops the process with exit code 1 after `safe_stop`.
+
+    Raises
+    ------
+    BadParameterError: a parameter given by the user cannot be used.
+    """
+
+    NAME: ClassVar[str]
+    PARAMETERS: ClassVar[ParameterTable] = ParameterTable()
+    EXIT_ON_EXCEPTION: ClassVar[bool] = False
+
+    def __init__(self, **node_options: Any) -> None:
+        super().__init__(self.NAME, automatically_declare_parameters_from_overrides=True, **node_options)
+        self.exit_code: int | None = None
+        self.typed_publishers: list[TypedPublisher] = []
+        self._table_values = NodeParameters(self, self.PARAMETERS + COMMON_PARAMETERS, self.parameters_changed)
+        for sentence in self._table_values.unknown:
+            self.get_logger().warning(f"{sentence}; ignored")
+        if not _FRAME_PREFIX.fullmatch(self.value("frame_prefix")):
+            raise BadParameterError(f"parameter frame_prefix is no frame name: {self.value('frame_prefix')!r}")
+        self.diagnostics = DiagnosticsPublisher(self)
+        self._monitor = InputMonitor()
+        self._failures = CallbackFailures(self.get_logger().error, self._on_failure)
+        self.diagnostics.add_source(self._report_health)
+
+    # What subclasses may override.
+
+    def safe_stop(self) -> None:
+        """Called once before the node is destroyed, while it can still publish: stop what moves."""
+
+    def parameters_changed(self, changed: dict[str, Any]) -> None:
+        """Called with the new values after live parameters were set."""
+
+    def idle_work(self) -> float:
+        """Work between callbacks, for a node that is not driven by messages alone; overriding it turns it on.
+
+        Returns the seconds after which it wants to be called again at the latest; callbacks come in between.
+        """
+        raise NotImplementedError
+
+    # What subclasses use.
+
+    def value(self, name: str) -> Any:
+        """Value of a parameter."""
+        return value_or_ros(self._table_values, self, name)
+
+    def tuning(self, settings_class: type) -> dict[str, Any]:
+        """Parameters that are tunable fields of a settings dataclass, as keyword arguments for it."""
+        return {setting.name: self.value(setting.name) for setting in settings_of(settings_class)}
+
+    def frame(self, name: str) -> str:
+        """``name`` with the frame prefix."""
+        return f"{self.value('frame_prefix')}{name}"
+
+    def publish_typed(
+        self, message_type: type, topic: str, convert: Callable[..., Any], qos: QoSProfile
+    ) -> TypedPublisher:
+        """Publisher of what ``convert(value)`` makes; ``.publish(value)`` sends."""
+        publisher = TypedPublisher(self, message_type, topic, convert, qos)
+        self.typed_publishers.append(publisher)
+        return publisher
+
+    def subscribe_typed(
+        self,
+        message_type: type,
+        topic: str,
+        convert: Callable[[Any], Value],
+        callback: Callable[[Value], None],
+        qos: QoSProfile,
+        *,
+        expected_frame: str | None = None,
+    ) -> TypedSubscription[Value]:
+        """Call ``callback`` with what ``convert`` makes of each message; messages that it rejects are counted."""
+        return TypedSubscription(
+            self,
+            message_type,
+            topic,
+            convert,
+            callback,
+            qos,
+            monitor=self._monitor,
+            failures=self._failures,
+            on_rejection=self._report_health,
+            expected_frame=expected_frame,
+        )
+
+    def serve(self, service_type: type, name: str, handler: Callable[[Any, Any], Any]) -> Service:
+        """Serve ``handler(request, response) -> response``; its exceptions become refusals with the reason."""
+        return self.create_service(service_type, name, answering(handler, self._failures))
+
+    def every_wall(self, period_s: float, callback: Callable[[], None]) -> Timer:
+        """Call ``callback`` every ``period_s`` of wall time (a steady clock); for watchdogs, not for algorithms."""
+        clock = Clock(clock_type=ClockType.STEADY_TIME)
+        return self.create_timer(period_s, self._failures.guarded(callback), clock=clock)
+
+    @cached_property
+    def transforms(self) -> "TransformBroadcaster":
+        """Broadcaster on tf and tf_static; made when first used."""
+        from node_kit.transforms import TransformBroadcaster
+
+        return TransformBroadcaster(self)
+
+    def request_exit(self, code: int, reason: str) -> None:
+        """End the process in order: every node's `safe_stop`, then exit code ``code``; the reason is logged."""
+        if self.exit_code is None:
+            self.exit_code = code
+            log = self.get_logger().info if code == 0 else self.get_logger().fatal
+            log(reason)
+
+    def note_failure(self, name: str, error: Exception) -> None:
+        """Log and count an exception out of ``name``, as those of callbacks are."""
+        self._failures.note(name, error)
+
+    def _on_failure(self, newest: str) -> None:
+        self._report_failures()
+        if self.EXIT_ON_EXCEPTION:
+            self.request_exit(1, f"stopping: {newest}")
+
+    def _report_health(self) -> None:
+        self.diagnostics.report("inputs", *self._monitor.summary(time.monotonic()))
+
+    def _report_failures(self) -> None:
+        self.diagnostics.report("callbacks", Level.ERROR, self._failures.newest, self._failures.counts)
