@@ -3,12 +3,12 @@
 import sys
 
 from nav_msgs.msg import Odometry as OdometryMessage
+from tracked_interfaces.msg import GoalReached as GoalReachedMessage
+from tracked_interfaces.msg import Trajectory as TrajectoryMessage
 
 from node_kit import Level, Parameter, ParameterTable, StackNode, qos, run
 from node_kit.conversions import goal_reached_to_message, odometry_from_message, trajectory_to_message
 from tracked_description import ROBOT_FILE, load_robot
-from tracked_interfaces.msg import GoalReached as GoalReachedMessage
-from tracked_interfaces.msg import Trajectory as TrajectoryMessage
 from tracked_navigation import Phase, PlayerSettings, ReferenceSettings, TrajectoryPlayer, make_reference
 from tracked_navigation.shape_settings import ShapeSettings
 from tracked_types import Odometry
