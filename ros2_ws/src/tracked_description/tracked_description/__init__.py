@@ -1,5 +1,5 @@
 """Description of the tracked robot: one file of numbers, and the URDF made from it."""
 
-from tracked_description.robot import Robot, load_robot
+from tracked_description.robot import ROBOT_FILE, Robot, load_robot
 
-__all__ = ["Robot", "load_robot"]
+__all__ = ["ROBOT_FILE", "Robot", "load_robot"]
