@@ -13,7 +13,7 @@ AS_DESCRIBED = "robot"
 class PhysicsSettings:
     """Step rate and suspension law of a simulated vehicle."""
 
-    rate_hz: int = setting(480, "physics steps per second", unit="Hz", low=120, high=8000)
+    physics_rate_hz: int = setting(480, "physics steps per second", unit="Hz", low=120, high=8000)
     suspension: str = setting(
         AS_DESCRIBED, "suspension law; robot takes that of the robot file", choices=(AS_DESCRIBED, *LAWS)
     )

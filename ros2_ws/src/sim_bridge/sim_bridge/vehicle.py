@@ -62,7 +62,7 @@ class Vehicle:
         self.robot = robot
         self.world = world
         self.settings = settings or PhysicsSettings()
-        self.period_s = 1.0 / self.settings.rate_hz
+        self.period_s = 1.0 / self.settings.physics_rate_hz
         self._kind = self.settings.suspension_kind(robot)
         self._parameters = belt_parameters(robot, self._kind)
         self.client: int = pybullet.connect(pybullet.DIRECT)

@@ -1,3 +1,5 @@
+import contextlib
+import itertools
 import math
 
 import pytest
@@ -62,7 +64,7 @@ def test_silence_ramps_to_rest_within_the_braking_limit():
     history = list(twists(intake, 0.05, 1.5).items())
     before = [twist for time, twist in history if time < 0.2]
     assert set(before) == {Twist2(0.45, 1.2)}
-    for (_, one), (_, two) in zip(history, history[1:], strict=False):
+    for (_, one), (_, two) in itertools.pairwise(history):
         assert 0.0 <= one.speed_mps - two.speed_mps <= ROBOT.limits.braking_mps2 * STEP_S + 1e-12
         assert 0.0 <= one.yaw_rate_radps - two.yaw_rate_radps <= ROBOT.limits.yaw_acceleration_radps2 * STEP_S + 1e-12
     at_rest = next(time for time, twist in history if twist.speed_mps == 0.0)
@@ -129,10 +131,8 @@ def test_no_sequence_of_commands_exceeds_the_limits(commands):
     intake, limits = CommandIntake(SETTINGS), ROBOT.limits
     for k, (stamp, speed, yaw_rate) in enumerate(commands):
         now = k * 10 * MS
-        try:
+        with contextlib.suppress(CommandRefused):
             intake.submit(command(stamp, speed, yaw_rate), now)
-        except CommandRefused:
-            pass
         twist = intake.update(now, STEP_S)
         assert limits.speed_min_mps - 1e-9 <= twist.speed_mps <= limits.speed_max_mps + 1e-9
         assert abs(twist.yaw_rate_radps) <= limits.yaw_rate_max_radps + 1e-9

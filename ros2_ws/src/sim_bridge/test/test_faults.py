@@ -1,3 +1,4 @@
+import itertools
 import math
 
 import numpy as np
@@ -94,7 +95,7 @@ def test_frozen_encoder_stands_still_and_loses_the_way():
 @pytest.mark.parametrize(("kind", "magnitude"), [("freeze", 0.0), ("bias", 0.03), ("jump", 0.01)])
 def test_encoder_speed_stays_the_change_of_travel(kind, magnitude):
     delivered = [samples[0] for samples in stream("tracks", fault("tracks", kind, magnitude=magnitude))]
-    for before, now in zip(delivered, delivered[1:], strict=False):
+    for before, now in itertools.pairwise(delivered):
         assert now.left_speed_mps == pytest.approx((now.left_travel_m - before.left_travel_m) * RATE_HZ)
 
 
