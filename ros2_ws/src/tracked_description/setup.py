@@ -14,6 +14,7 @@ setup(
     ],
     install_requires=["setuptools", "pydantic>=2", "PyYAML"],
     zip_safe=False,
+    entry_points={"console_scripts": ["description = tracked_description.nodes.description:main"]},
     maintainer="Tracked Stack maintainers",
     maintainer_email="maintainers@tracked-stack.invalid",
     description="Dimensions, limits, frames and sensor poses of the tracked robot, and the URDF made from them.",
