@@ -16,9 +16,9 @@ help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{ printf "  make %-12s %s\n", $$1, $$2 }'
 
 setup: ## install everything (first time: network, up to 5 minutes)
-	@command -v $(SYSTEM_PYTHON) > /dev/null || { \
-	  echo 'set-up: Python is missing: install it with `sudo apt-get install python3 python3-venv python3-dev`, then run `make setup` again.' >&2; \
-	  exit 1; }
+	@$(SYSTEM_PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2> /dev/null || { \
+	  echo 'set-up: $(SYSTEM_PYTHON) is missing or older than 3.9: install one with `sudo apt-get install python3' \
+	    'python3-venv python3-dev` or name another as in `make setup SYSTEM_PYTHON=python3.11`.' >&2; exit 1; }
 	@$(SYSTEM_PYTHON) -B -m tools.setup
 
 demo: setup ## drive over the step with one and with two layers, and report

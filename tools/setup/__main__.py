@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from tools.setup.checks import check_driver_python, check_machine
+from tools.setup.checks import check_machine
 from tools.setup.commands import explain
 from tools.setup.layout import Layout
 from tools.setup.problem import SetupProblem
@@ -20,7 +20,6 @@ def main() -> int:
     """Run what is stale; 0 when the tree is ready, 1 with one sentence when it is not."""
     layout = Layout(Path(__file__).resolve().parents[2])
     try:
-        check_driver_python()
         set_up(layout)
     except SetupProblem as problem:
         print(f"set-up: {problem}", file=sys.stderr)

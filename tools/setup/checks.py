@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import os
 import shutil
-import sys
 import tempfile
 from pathlib import Path
 
 from tools.setup.layout import Layout
 from tools.setup.problem import SetupProblem
 
-OLDEST_DRIVER_PYTHON = (3, 9)
 NEEDED_BYTES = 4_000_000_000
 
 # Program, alternatives that serve as well, Debian package.
@@ -21,16 +19,6 @@ PROGRAMS = (
     (("make",), "make", "make"),
     (("cmake",), "CMake", "cmake"),
 )
-
-
-def check_driver_python() -> None:
-    """The set-up itself runs on this Python; the stack on the one it finds or brings."""
-    if sys.version_info < OLDEST_DRIVER_PYTHON:
-        found = ".".join(str(part) for part in sys.version_info[:3])
-        raise SetupProblem(
-            f"Python {found} is too old to run the set-up: install a newer one with `sudo apt-get install python3.11 "
-            "python3.11-venv python3.11-dev`, then run `make setup SYSTEM_PYTHON=python3.11`."
-        )
 
 
 def check_writable(layout: Layout) -> None:
@@ -83,7 +71,6 @@ def check_machine(layout: Layout) -> None:
     Raises:
         SetupProblem: the first thing that is missing, with the command that mends it.
     """
-    check_driver_python()
     check_writable(layout)
     check_disk(layout)
     check_programs()

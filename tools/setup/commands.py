@@ -37,7 +37,8 @@ CAUSES = (
         re.compile(
             r"dns error|name resolution|name or service not known|error sending request|connection (refused|reset)"
             r"|network is (unreachable|unavailable)|connect timeout|connection timed out|tunnel error"
-            r"|newconnectionerror|failed to establish a new connection|retries exceeded|failed to (fetch|download)",
+            r"|newconnectionerror|failed to establish a new connection|retries exceeded|failed to (fetch|download)"
+            r"|\(from versions: none\)",
             re.I,
         ),
         "The package index cannot be reached, and the first set-up needs it: connect this machine to the network "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from tools.setup.commands import run_logged
@@ -15,11 +15,11 @@ from tools.setup.uv import uv_environment
 # pybullet publishes no wheel for a newer one.
 VERSION = "3.11"
 # Message packages are compiled, so the headers must be there (Debian has them in a package of their own).
-PROBE = (
-    "import sys, sysconfig, pathlib\n"
-    "headers = pathlib.Path(sysconfig.get_path('include'), 'Python.h').exists()\n"
-    f"sys.exit(0 if '%d.%d' % sys.version_info[:2] == '{VERSION}' and headers else 1)"
-)
+PROBE = """
+import pathlib, sys, sysconfig
+headers = pathlib.Path(sysconfig.get_path("include"), "Python.h")
+print("%d.%d" % sys.version_info[:2], headers.exists(), sys.executable)
+"""
 
 
 def find_python(layout: Layout) -> Path:
@@ -28,9 +28,9 @@ def find_python(layout: Layout) -> Path:
     Raises:
         SetupProblem: there is none and none could be brought.
     """
-    for candidate in candidates(layout):
-        if is_suitable(candidate):
-            return candidate
+    found = first_suitable(candidates(layout))
+    if found is not None:
+        return found
     try:
         run_logged(
             [layout.uv, "python", "install", VERSION],
@@ -44,9 +44,9 @@ def find_python(layout: Layout) -> Path:
             f"apt-get install python{VERSION} python{VERSION}-dev` (or connect to the network), then run `make setup` "
             "again."
         ) from problem
-    for candidate in managed(layout):
-        if is_suitable(candidate):
-            return candidate
+    found = first_suitable(managed(layout))
+    if found is not None:
+        return found
     raise SetupProblem(
         f"uv brought a Python {VERSION} that does not run here: install one with `sudo apt-get install python{VERSION} "
         f"python{VERSION}-dev`, then run `make setup` again."
@@ -77,10 +77,23 @@ def managed(layout: Layout) -> Iterator[Path]:
         yield Path(done.stdout.strip())
 
 
-def is_suitable(python: Path) -> bool:
-    """True for the right version with its headers."""
+def first_suitable(pythons: Iterable[Path]) -> Path | None:
+    """The first that will do."""
+    return next((found for python in pythons if (found := suitable(python)) is not None), None)
+
+
+def suitable(python: Path) -> Path | None:
+    """The interpreter behind a name, where it has the right version and its headers.
+
+    A name may be a shim that decides by the working directory; what it leads to does not.
+    """
     try:
-        done = subprocess.run([str(python), "-c", PROBE], stdin=subprocess.DEVNULL, capture_output=True, check=False)
+        done = subprocess.run(
+            [str(python), "-c", PROBE], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
+        )
     except OSError:
-        return False
-    return done.returncode == 0
+        return None
+    version, headers, executable = [*done.stdout.split(maxsplit=2), "", "", ""][:3]
+    if done.returncode != 0 or version != VERSION or headers != "True":
+        return None
+    return Path(executable.strip())

@@ -41,7 +41,8 @@ def install_tf2_msgs(layout: Layout) -> None:
     configure += ["-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF"]
     configure += [f"-DPython3_EXECUTABLE={layout.python}", "-DPython3_FIND_VIRTUALENV=ONLY"]
     compile_it: list[str | Path] = ["cmake", "--build", build, "--parallel", str(os.cpu_count() or 1)]
-    for command in (configure, compile_it, ["cmake", "--install", build]):
+    install: list[str | Path] = ["cmake", "--install", build]
+    for command in (configure, compile_it, install):
         run_logged(command, log=log, doing="Building tf2_msgs", environment=environment)
     check_type_hash(layout)
     shutil.rmtree(build, ignore_errors=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from pathlib import Path
 
 from tools.setup.cmake_exports import mend_cmake_exports
 from tools.setup.commands import run_logged
@@ -21,10 +22,11 @@ def install_wheels(layout: Layout) -> None:
     python = find_python(layout)
     shutil.rmtree(layout.venv, ignore_errors=True)
     locked = layout.requirements / "dev.txt"
-    install = [layout.uv, "pip", "sync", "--require-hashes", "--python", layout.python, locked]
+    create: list[str | Path] = [layout.uv, "venv", "--no-project", "--python", python, layout.venv]
+    fill: list[str | Path] = [layout.uv, "pip", "sync", "--require-hashes", "--python", layout.python, locked]
     # The few packages without a wheel are built with a locked build backend too.
-    install += ["--build-constraints", locked]
-    for command in ([layout.uv, "venv", "--no-project", "--python", python, layout.venv], install):
+    fill += ["--build-constraints", locked]
+    for command in (create, fill):
         run_logged(
             command,
             log=layout.logs / "wheels.log",
