@@ -64,7 +64,7 @@ def create_solid(client: int, solid: Solid) -> int:
 
 
 def create_chassis(client: int, robot: Robot) -> int:
-    """The sprung body: a box, and a rail over each belt that keeps walls away from it. Its origin is its centre of mass."""
+    """The sprung body: a box, and a rail over each belt that keeps walls away from it; origin at the centre of mass."""
     chassis, tracks = robot.chassis, robot.tracks
     # The rails stand on the idlers' height, where the belts' own contacts end.
     rail_z = tracks.idler_height_m + _RAIL_HALF_HEIGHT_M - chassis.com_height_m + 0.005

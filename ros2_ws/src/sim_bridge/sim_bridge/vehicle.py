@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from robust_core.plants.x_structure import STANDARD_GRAVITY_MPS2
 from sim_bridge.belts.geometry import locate
-from sim_bridge.belts.parameters import SuspensionKind, belt_parameters
+from sim_bridge.belts.parameters import BeltParameters, SuspensionKind, belt_parameters
 from sim_bridge.belts.probes import HALF_THICKNESS_M, BeltProbes
+from sim_bridge.belts.stability import least_rate_hz
 from sim_bridge.belts.state import BeltState, new_contacts, new_state, new_workspace
 from sim_bridge.belts.step import advance_belts
 from sim_bridge.bodies import create_chassis, create_floor
@@ -54,6 +55,7 @@ class Vehicle:
     Raises
     ------
     SnapThroughError: if the suspension cannot carry the robot (robust_core.plants.x_structure).
+    ValueError: if its travel under the robot's weight is beyond a stop, or the rate is too low for the law.
     """
 
     def __init__(
@@ -64,10 +66,16 @@ class Vehicle:
         self.settings = settings or PhysicsSettings()
         self.period_s = 1.0 / self.settings.physics_rate_hz
         self._kind = self.settings.suspension_kind(robot)
-        self._parameters = belt_parameters(robot, self._kind)
+        self._parameters = self._parameters_for(self._kind)
         self.client: int = pybullet.connect(pybullet.DIRECT)
         self._wheels = robot.tracks.wheel_count
         self._build(start or world.start())
+
+    def _parameters_for(self, kind: SuspensionKind) -> BeltParameters:
+        needed, rate = least_rate_hz(self.robot, kind), self.settings.physics_rate_hz
+        if rate < needed:
+            raise ValueError(f"suspension {kind!r} needs a physics rate of at least {needed:.0f} Hz, got {rate} Hz")
+        return belt_parameters(self.robot, kind)
 
     def _build(self, start: Pose2) -> None:
         client = self.client
@@ -81,15 +89,20 @@ class Vehicle:
         for solid in self.world.solids():
             self.entities.spawn(solid)
         self._friction = GroundFriction.of_world(self.world, self.robot)
+        self._apply_friction()
         self._probes = BeltProbes(client, self._parameters, self._wheels)
         self._belts = new_state(self._wheels, self._parameters.rest_travel)
         self._work = new_workspace(self._wheels)
         self._contacts = new_contacts()
         self.contact_count = 0
         self.step_index = 0
-        self._place(start)
+        self.place(start)
 
-    def _place(self, start: Pose2) -> None:
+    def place(self, start: Pose2) -> None:
+        """Put the robot at rest on the floor, wherever it was; belt travel goes on counting from where it is."""
+        travelled = self._belts.belt_travel.copy()
+        self._belts.assign(new_state(self._wheels, self._parameters.rest_travel))
+        self._belts.belt_travel[:] = travelled
         position = (start.x_m, start.y_m, self.robot.chassis.com_height_m)
         orientation = pybullet.getQuaternionFromEuler((0.0, 0.0, start.yaw_rad))
         pybullet.resetBasePositionAndOrientation(self._chassis, position, orientation, physicsClientId=self.client)
@@ -185,9 +198,10 @@ class Vehicle:
         ------
         SnapThroughError, ValueError: if that law cannot carry the robot; nothing has changed then.
         """
-        parameters = belt_parameters(self.robot, kind)
+        parameters = self._parameters_for(kind)
         self._belts.travel[:] += parameters.rest_travel - self._parameters.rest_travel
         self._parameters, self._kind = parameters, kind
+        self._apply_friction()
 
     def set_friction(self, friction: Friction, zone: str | None = None) -> None:
         """Change the friction of one zone of the world, or without a name that of everything outside zones.
@@ -197,14 +211,17 @@ class Vehicle:
         ValueError: if the world has no such zone.
         """
         self._friction = self._friction.changed(friction, zone)
+        self._apply_friction()
+
+    def _apply_friction(self) -> None:
         self._parameters = self._parameters._replace(
             friction_longitudinal=self._friction.floor.longitudinal, friction_lateral=self._friction.floor.lateral
         )
 
     def reset(self, start: Pose2 | None = None) -> None:
-        """Build the world anew; afterwards nothing differs from a fresh vehicle."""
+        """Build the world anew; afterwards nothing differs from a fresh vehicle, entities included."""
         self._kind = self.settings.suspension_kind(self.robot)
-        self._parameters = belt_parameters(self.robot, self._kind)
+        self._parameters = self._parameters_for(self._kind)
         self._build(start or self.world.start())
 
     def snapshot(self) -> Snapshot:
@@ -224,8 +241,8 @@ class Vehicle:
         pybullet.restoreState(stateId=snapshot.bullet_state, physicsClientId=self.client)
         self._belts.assign(snapshot.belts)
         self._kind, self._friction, self.step_index = snapshot.suspension, snapshot.friction, snapshot.step_index
-        self._parameters = belt_parameters(self.robot, self._kind)
-        self.set_friction(self._friction.floor)
+        self._parameters = self._parameters_for(self._kind)
+        self._apply_friction()
         self._read_chassis()
 
     def discard(self, snapshot: Snapshot) -> None:

@@ -15,10 +15,10 @@ Array = NDArray[np.float64]
 class VehicleState:
     """State after ``step_index`` physics steps; vectors in the world unless said otherwise.
 
-    position_m, velocity_mps: (3,) of the chassis' centre of mass. quaternion: (4,) x, y, z, w. rotation: (3, 3) base to
-    world. angular_velocity_radps: (3,). belt_travel_m, belt_speed_mps, motor_force_n: (2,) left, right.
-    suspension_travel_m: (units,) left front... see `Vehicle.suspension_order`. com_height_m: of the centre of mass above
-    base_footprint.
+    position_m, velocity_mps: (3,) of the chassis' centre of mass. quaternion: (4,) x, y, z, w. rotation: (3, 3) base
+    to world. angular_velocity_radps: (3,). belt_travel_m, belt_speed_mps, motor_force_n: (2,) left, right.
+    suspension_travel_m: (units,) left rear to left front, then right; negative in compression.
+    com_height_m: height of the centre of mass over base_footprint.
     """
 
     step_index: int

@@ -46,7 +46,7 @@ class World(CheckedModel):
     objects: tuple[WorldObject, ...] = ()
     friction_zones: tuple[FrictionZone, ...] = ()
     starts: dict[Name, PlanarPose]
-    goals: dict[Name, PlanarPose] = {}
+    goals: dict[Name, PlanarPose] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _names_are_unique(self) -> "World":

@@ -28,6 +28,7 @@ def drive_belt(
     share of the ``load`` (N) on the belt. ``ground_damping`` (N s/m) makes the step linearly implicit.
     """
     reach = p.drive_acceleration * dt
+    target = min(max(target, -p.drive_speed), p.drive_speed)
     state.profile[side] += min(max(target - state.profile[side], -reach), reach)
     wanted = (state.profile[side] - state.setpoint[side]) * (1.0 - math.exp(-dt / p.drive_response)) / dt
     state.setpoint[side] += wanted * dt

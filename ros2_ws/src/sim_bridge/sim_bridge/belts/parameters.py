@@ -52,6 +52,7 @@ class BeltParameters(NamedTuple):
     stop_damping: float
     belt_mass: float
     drive_response: float
+    drive_speed: float
     drive_acceleration: float
     drive_proportional: float
     drive_integral: float
@@ -142,6 +143,7 @@ def belt_parameters(robot: Robot, kind: SuspensionKind) -> BeltParameters:
         stop_damping=suspension.stop_damping_nspm,
         belt_mass=drive.belt_mass_kg,
         drive_response=tracks.motor_time_constant_s,
+        drive_speed=tracks.speed_limit_mps,
         drive_acceleration=tracks.acceleration_limit_mps2,
         drive_proportional=drive.proportional_nspm,
         drive_integral=drive.integral_npm,

@@ -23,7 +23,7 @@ def shear_stress(
 ) -> None:
     """Advance the bristles of every bar by ``dt``; shear force per newton of normal load into ``stress``.
 
-    ``load``: (2, bars) normal load (N). ``slide``: (2, bars, 2) velocity of the belt's outer side over the ground, along
+    ``load``: (2, bars) normal load (N). ``slide``: (2, bars, 2) velocity of the belt's outer side on the ground, along
     and across the belt (m/s). ``friction``: (2, bars, 2) coefficients. ``stress``: (2, bars, 2), filled.
     ``damping``: (2,), filled: derivative of each belt's ground force by its speed (N s/m), for the drive.
     """
