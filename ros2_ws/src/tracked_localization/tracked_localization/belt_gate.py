@@ -1,0 +1,85 @@
+"""Is what one belt's counter says possible?"""
+
+import math
+from dataclasses import dataclass
+
+from tracked_localization.health import Fault
+from tracked_localization.settings import OdometryFilterSettings
+from tracked_types import seconds_between
+
+_STUCK_AFTER = 3
+
+
+@dataclass(frozen=True, slots=True)
+class BeltReading:
+    """Travel of one belt since its counter's last sample, or the reason why it cannot be trusted."""
+
+    travel_m: float | None
+    fault: Fault | None = None
+
+
+class BeltGate:
+    """Chi-square gate on the counter of one belt.
+
+    A belt cannot change its speed faster than its drive allows. The prediction is its last credible
+    speed, with a variance that grows with the time since then; a belt that seems to stop dead is a
+    counter that is stuck, and stays so until it counts again.
+    """
+
+    def __init__(self, settings: OdometryFilterSettings) -> None:
+        self._settings = settings
+        self._rounding = settings.encoder_tick_m**2 / 6.0
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget counter and speed."""
+        self._last_m: float | None = None
+        self._last_ns = 0
+        self._speed_mps = 0.0
+        self._credible_ns: int | None = None
+        self._still = 0
+        self._stuck = False
+
+    def update(self, stamp_ns: int, travel_m: float) -> BeltReading:
+        """Judge the counter's next value."""
+        if not math.isfinite(travel_m):
+            return BeltReading(None, Fault.NOT_FINITE)
+        if self._last_m is None:
+            self._last_m, self._last_ns = travel_m, stamp_ns
+            return BeltReading(None)
+        moved, duration = travel_m - self._last_m, seconds_between(stamp_ns, self._last_ns)
+        self._last_m, self._last_ns = travel_m, stamp_ns
+        self._still = self._still + 1 if moved == 0.0 else 0
+        if self._stuck:
+            self._stuck = self._still > 0
+            # The first count after a pause may hold the travel of the pause: not credible yet either way.
+            return BeltReading(None, Fault.STUCK)
+        fault = self._fault(moved, duration, stamp_ns)
+        if fault is not None:
+            return BeltReading(None, fault)
+        self._speed_mps, self._credible_ns = moved / duration, stamp_ns
+        return BeltReading(moved)
+
+    def declare_stuck(self) -> None:
+        """Another witness says that this belt moves."""
+        self._stuck = True
+
+    @property
+    def still_samples(self) -> int:
+        """Number of samples in a row that were identical."""
+        return self._still
+
+    def _fault(self, moved: float, duration: float, stamp_ns: int) -> Fault | None:
+        settings = self._settings
+        if abs(moved) > 2.0 * settings.belt_speed_limit_mps * duration + 2.0 * settings.encoder_tick_m:
+            return Fault.JUMP
+        if self._credible_ns is None:
+            return None
+        age = seconds_between(stamp_ns, self._credible_ns)
+        manoeuvre = 0.5 * settings.belt_acceleration_mps2 * age * duration
+        surprise = moved - self._speed_mps * duration
+        if surprise * surprise <= settings.gate_chi_square * (2.0 * self._rounding + manoeuvre * manoeuvre):
+            return None
+        if self._still >= _STUCK_AFTER:
+            self._stuck = True
+        return Fault.STUCK if self._stuck else Fault.JUMP

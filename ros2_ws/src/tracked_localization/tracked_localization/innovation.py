@@ -1,0 +1,21 @@
+"""What a sensor said beyond what was expected."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Innovation:
+    """Difference between a fused reading and its prediction, and the variance the filter gave it.
+
+    sensor: ``imu`` (rad/s) or ``tracks`` (m).
+    """
+
+    stamp_ns: int
+    sensor: str
+    value: float
+    variance: float
+
+    @property
+    def normalised_square(self) -> float:
+        """Squared innovation over its variance (NIS); its mean is 1 for a consistent filter."""
+        return self.value * self.value / self.variance

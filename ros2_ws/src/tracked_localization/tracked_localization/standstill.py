@@ -1,0 +1,87 @@
+"""Does the robot stand?"""
+
+import math
+from collections import deque
+
+from tracked_localization.belt_pair import BeltMotion
+from tracked_localization.settings import OdometryFilterSettings
+from tracked_types import to_nanoseconds
+
+_LEAVING_SAMPLES = 8
+_LEAVING_DEVIATIONS = 6.0
+_QUIET_SPREAD = 1.5
+_LEAST_NOISE = 1e-4
+
+
+class Standstill:
+    """The robot stands when its belts have not counted and its gyro has been no more than noisy for a while.
+
+    A steady gyro reading at rest is bias, whatever its size: a body that slides on slows down. It stops
+    standing with the first belt motion beyond one tick, or when the gyro's mean leaves the bias.
+    """
+
+    def __init__(self, settings: OdometryFilterSettings) -> None:
+        self._settings = settings
+        self._noise = max(settings.gyro_noise_radps, _LEAST_NOISE)
+        self._window = max(4, round(settings.standstill_s * settings.imu_rate_hz))
+        self._standstill_ns = to_nanoseconds(settings.standstill_s)
+        self._rates: deque[float] = deque(maxlen=self._window)
+        self.restart()
+
+    def restart(self) -> None:
+        """Nothing is known any more."""
+        self._rates.clear()
+        self._still_since_ns: int | None = None
+        self._left_m = self._right_m = 0.0
+        self.standing = False
+        self.steady_rate_radps: float | None = None
+        """Mean gyro reading at the moment the robot was found standing; None if that was not now."""
+
+    def add_belts(self, motion: BeltMotion) -> None:
+        """Take in what the belts did."""
+        if motion.left_m is None or motion.right_m is None:
+            self._move(None)
+            return
+        if self._still_since_ns is None:
+            self._move(motion.stamp_ns)
+            return
+        self._left_m += motion.left_m
+        self._right_m += motion.right_m
+        if max(abs(self._left_m), abs(self._right_m)) > 1.5 * self._settings.encoder_tick_m:
+            self._move(motion.stamp_ns)
+
+    def add_gyro(self, stamp_ns: int, rate_radps: float | None, bias_radps: float) -> None:
+        """Take in a gyro reading, or None for one that cannot be trusted: then the belts alone decide."""
+        self.steady_rate_radps = None
+        if rate_radps is None:
+            self._rates.clear()
+        else:
+            self._rates.append(rate_radps)
+        if self.standing:
+            self.standing = not self._leaves(bias_radps)
+        elif self._still_since_ns is not None and stamp_ns - self._still_since_ns >= self._standstill_ns:
+            self._settle(rate_radps is not None)
+
+    def _settle(self, gyro_speaks: bool) -> None:
+        if not gyro_speaks:
+            self.standing = True
+            return
+        if len(self._rates) < self._window:
+            return
+        mean = math.fsum(self._rates) / self._window
+        spread = math.fsum((rate - mean) ** 2 for rate in self._rates) / self._window
+        if spread <= (_QUIET_SPREAD * self._noise) ** 2:
+            self.standing = True
+            self.steady_rate_radps = mean
+
+    def _leaves(self, bias_radps: float) -> bool:
+        if len(self._rates) < _LEAVING_SAMPLES:
+            return False
+        latest = [self._rates[-index] for index in range(1, _LEAVING_SAMPLES + 1)]
+        deviation = math.fsum(latest) / _LEAVING_SAMPLES - bias_radps
+        return abs(deviation) > _LEAVING_DEVIATIONS * self._noise / math.sqrt(_LEAVING_SAMPLES)
+
+    def _move(self, stamp_ns: int | None) -> None:
+        self._still_since_ns = stamp_ns
+        self._left_m = self._right_m = 0.0
+        self.standing = False
