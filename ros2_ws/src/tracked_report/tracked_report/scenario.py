@@ -39,7 +39,7 @@ class Reference(CheckedModel):
 
     shape: Name | None = None
     file: str | None = None
-    parameters: dict[str, Finite] = Field(default_factory=dict)
+    parameters: dict[str, int | Finite] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _one_source(self) -> "Reference":
