@@ -1,5 +1,6 @@
 """The bodies of a running world by name: spawn, delete, look up, move."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -30,8 +31,9 @@ class EntityState:
 class Entities:
     """Named bodies in one Bullet world.
 
-    ``boxes`` (entities, 6) holds their axis-aligned bounding boxes for the belts' coarse search; it is kept in the
-    order of `names`, and only movable bodies' rows change between spawns.
+    For the belts, in the order of `names`: ``boxes`` (entities, 6) holds axis-aligned bounding boxes, lower and upper
+    corner; ``shapes`` (entities, 15) centre, rotation (row by row) and half extents, which are zero unless the entity
+    is a box. Only movable bodies' rows change between spawns.
     """
 
     def __init__(self, client: int) -> None:
@@ -39,9 +41,10 @@ class Entities:
         self._solids: dict[str, Solid] = {}
         self._ids: dict[str, int] = {}
         self._bodies: list[int] = []
-        self._frictions: list[Friction | None] = []
+        self._frictions: list[tuple[float, float]] = []
         self._movable: list[int] = []
         self.boxes: Array = np.zeros((0, 6))
+        self.shapes: Array = np.zeros((0, 15))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -102,8 +105,8 @@ class Entities:
         """Bullet's id of the entity in row ``index`` of `boxes`."""
         return self._bodies[index]
 
-    def friction(self, index: int) -> Friction | None:
-        """Friction of the entity in row ``index``, None where zones and floor decide."""
+    def friction(self, index: int) -> tuple[float, float]:
+        """Longitudinal and lateral friction of the entity in row ``index``, NaN where zones and floor decide."""
         return self._frictions[index]
 
     def moves(self, index: int) -> bool:
@@ -123,15 +126,26 @@ class Entities:
     def _index(self) -> None:
         self._bodies = list(self._ids.values())
         solids = list(self._solids.values())
-        self._frictions = [solid.friction for solid in solids]
+        self._frictions = [_coefficients(solid.friction) for solid in solids]
         self._movable = [index for index, solid in enumerate(solids) if solid.mass_kg > 0.0]
-        self.boxes = np.zeros((len(solids), 6))
-        for index in range(len(solids)):
+        self.boxes, self.shapes = np.zeros((len(solids), 6)), np.zeros((len(solids), 15))
+        for index, solid in enumerate(solids):
+            if solid.shape == "box":
+                self.shapes[index, 12:] = 0.5 * np.array(solid.size_m)
             self._measure(index)
 
     def _measure(self, index: int) -> None:
         lower, upper = pybullet.getAABB(self._bodies[index], -1, physicsClientId=self._client)
         self.boxes[index, :3], self.boxes[index, 3:] = lower, upper
+        position, orientation = pybullet.getBasePositionAndOrientation(
+            self._bodies[index], physicsClientId=self._client
+        )
+        self.shapes[index, :3] = position
+        self.shapes[index, 3:12] = pybullet.getMatrixFromQuaternion(orientation)
 
     def __iter__(self) -> Iterator[Solid]:
         return iter(self._solids.values())
+
+
+def _coefficients(friction: Friction | None) -> tuple[float, float]:
+    return (friction.longitudinal, friction.lateral) if friction else (math.nan, math.nan)

@@ -6,14 +6,11 @@ import numpy as np
 import pybullet
 
 from sim_bridge.belts.parameters import BeltParameters
-from sim_bridge.belts.state import CONTACT_CAPACITY, Array, Contacts, Workspace
+from sim_bridge.belts.state import Array, Contacts, Workspace
+from sim_bridge.belts.touch import add_contact
 from sim_bridge.entities import Entities
 
 HALF_THICKNESS_M = 0.008
-# Deeper penetration than this is a teleport or an edge case of the closest-point search, not rubber.
-_DEPTH_LIMIT_M = 0.02
-# A normal this close to a bar's own length is that of its end face, which a belt does not have.
-_END_FACE = 0.9
 
 
 class BeltProbes:
@@ -39,37 +36,34 @@ class BeltProbes:
 
     def collect(self, work: Workspace, pairs: int, entities: Entities, contacts: Contacts) -> int:
         """Fill ``contacts`` from the first ``pairs`` of ``work.pairs``; their number. `touched` names the entities."""
-        touched: list[int] = []
-        bars = len(self._shapes)
+        self.touched.clear()
+        count, bars = 0, len(self._shapes)
         for row, entity in work.pairs[:pairs].tolist():
             pose = work.bars[row].tolist()
+            body = entities.body(entity)
             points = pybullet.getClosestPoints(
                 -1,
-                entities.body(entity),
+                body,
                 0.0,
                 collisionShapeA=self._shapes[row % bars],
                 collisionShapePositionA=pose[:3],
                 collisionShapeOrientationA=pose[3:],
                 physicsClientId=self._client,
             )
+            if not points:
+                continue
             side, bar = divmod(row, bars)
-            for point in points or ():
-                position, normal, distance = point[6], point[7], point[8]
-                if distance >= 0.0 or len(touched) >= CONTACT_CAPACITY or _is_end_face(work, side, bar, normal):
-                    continue
-                count = len(touched)
-                contacts.side[count], contacts.bar[count] = side, bar
-                contacts.position[count], contacts.normal[count] = position, normal
-                contacts.depth[count], contacts.weight[count] = min(-distance, _DEPTH_LIMIT_M), 1.0 / len(points)
-                friction = entities.friction(entity)
-                contacts.friction[count] = (friction.longitudinal, friction.lateral) if friction else math.nan
-                if entities.moves(entity):
-                    contacts.surface_velocity[count] = self._velocity_at(entities.body(entity), position)
-                else:
-                    contacts.surface_velocity[count] = 0.0
-                touched.append(entity)
-        self.touched = touched
-        return len(touched)
+            first, weight = count, 1.0 / len(points)
+            friction, box = entities.friction(entity), entities.shapes[entity]
+            for point in points:
+                if point[8] < 0.0:
+                    place = (*point[6], *point[7])
+                    count = add_contact(work, contacts, count, side, bar, place, -point[8], weight, friction, box)
+            self.touched.extend([entity] * (count - first))
+            if entities.moves(entity):
+                for contact in range(first, count):
+                    contacts.surface_velocity[contact] = self._velocity_at(body, contacts.position[contact])
+        return count
 
     def push_back(self, entities: Entities, contacts: Contacts) -> None:
         """Apply to the movable entities what they do to the belts, with the opposite sign."""
@@ -84,15 +78,9 @@ class BeltProbes:
                     physicsClientId=self._client,
                 )
 
-    def _velocity_at(self, body: int, point: tuple[float, float, float]) -> Array:
+    def _velocity_at(self, body: int, point: Array) -> Array:
         centre, _ = pybullet.getBasePositionAndOrientation(body, physicsClientId=self._client)
         velocity, angular = pybullet.getBaseVelocity(body, physicsClientId=self._client)
         arm = np.subtract(point, centre)
         moved: Array = np.asarray(velocity) + np.cross(angular, arm)
         return moved
-
-
-def _is_end_face(work: Workspace, side: int, bar: int, normal: tuple[float, float, float]) -> bool:
-    edge = work.nodes[side, bar + 1] - work.nodes[side, bar]
-    along = float(edge @ np.asarray(normal))
-    return abs(along) > _END_FACE * math.sqrt(float(edge @ edge))
