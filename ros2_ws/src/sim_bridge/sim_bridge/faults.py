@@ -1,7 +1,7 @@
 """Faults that can be injected into a sensor's stream."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 Sensor = Literal["tracks", "imu", "scan"]
@@ -43,13 +43,11 @@ class Fault:
     kind: Kind
     start_ns: int = 0
     end_ns: int | None = None
-    magnitude: float = field(default=0.0)
+    magnitude: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.sensor not in SENSORS:
-            raise FaultRefused(f"sensor must be one of {', '.join(SENSORS)}; got {self.sensor!r}")
-        if self.kind not in KINDS:
-            raise FaultRefused(f"kind must be one of {', '.join(KINDS)}; got {self.kind!r}")
+        sensor_called(self.sensor)
+        kind_called(self.kind)
         if not math.isfinite(self.magnitude):
             raise FaultRefused(f"magnitude must be finite, got {self.magnitude!r}")
         if self.kind == "dropout" and not 0.0 <= self.magnitude <= 1.0:
@@ -62,3 +60,19 @@ class Fault:
     def active(self, stamp_ns: int) -> bool:
         """Whether a sample with this stamp is affected."""
         return self.start_ns <= stamp_ns and (self.end_ns is None or stamp_ns < self.end_ns)
+
+
+def sensor_called(name: str) -> Sensor:
+    """The sensor of this name; raises FaultRefused, with the names that there are."""
+    for sensor in SENSORS:
+        if sensor == name:
+            return sensor
+    raise FaultRefused(f"sensor must be one of {', '.join(SENSORS)}; got {name!r}")
+
+
+def kind_called(name: str) -> Kind:
+    """The kind of fault of this name; raises FaultRefused, with the names that there are."""
+    for kind in KINDS:
+        if kind == name:
+            return kind
+    raise FaultRefused(f"kind must be one of {', '.join(KINDS)}; got {name!r}")

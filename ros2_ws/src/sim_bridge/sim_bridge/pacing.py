@@ -16,6 +16,8 @@ _ROUNDING_NS = 1_000
 _CATCH_UP_S = 0.05
 """Lag behind the wall clock that is made up for by running faster; beyond it the world slows down instead."""
 
+_ASK_AGAIN_S = 0.1
+
 _METER_WINDOW_S = 2.0
 
 
@@ -60,34 +62,34 @@ class Pacer:
         self._anchor = None
         self._waiting_since_s = None
 
-    def may_advance(self, stamp_ns: int, next_stamp_ns: int, newest_command_ns: int | None, wall_s: float) -> bool:
-        """Whether the tick from ``stamp_ns`` to ``next_stamp_ns`` may run at ``wall_s`` of a steady clock.
+    def wait_s(self, stamp_ns: int, next_stamp_ns: int, newest_command_ns: int | None, wall_s: float) -> float:
+        """How long the tick from ``stamp_ns`` to ``next_stamp_ns`` has to wait yet, at ``wall_s`` of a steady clock.
+
+        0 lets it run. A tick that waits for a command is told a time after which to ask again.
 
         Raises
         ------
-        LockStalled: in lock-step, if it has been refused for longer than the limit.
+        LockStalled: in lock-step, if a command has been waited for longer than the limit.
         """
         if self._settings.time_mode == "unpaced":
-            return True
+            return 0.0
         if self._settings.time_mode == "paced" or newest_command_ns is None:
             return self._paced(stamp_ns, next_stamp_ns, wall_s)
         return self._locked(next_stamp_ns, newest_command_ns, wall_s)
 
-    def _paced(self, stamp_ns: int, next_stamp_ns: int, wall_s: float) -> bool:
-        if self._anchor is None or self._lag_s(stamp_ns, wall_s) > _CATCH_UP_S:
+    def _paced(self, stamp_ns: int, next_stamp_ns: int, wall_s: float) -> float:
+        if self._anchor is None or self._lag_s(self._anchor, stamp_ns, wall_s) > _CATCH_UP_S:
             self._anchor = (stamp_ns, wall_s)
-        return self._lag_s(next_stamp_ns, wall_s) >= 0.0
+        return max(0.0, -self._lag_s(self._anchor, next_stamp_ns, wall_s))
 
-    def _lag_s(self, stamp_ns: int, wall_s: float) -> float:
-        assert self._anchor is not None
-        anchor_ns, anchor_s = self._anchor
-        lag_s: float = (wall_s - anchor_s) - seconds_between(stamp_ns, anchor_ns)
-        return lag_s
+    @staticmethod
+    def _lag_s(anchor: tuple[int, float], stamp_ns: int, wall_s: float) -> float:
+        return (wall_s - anchor[1]) - seconds_between(stamp_ns, anchor[0])
 
-    def _locked(self, next_stamp_ns: int, newest_command_ns: int, wall_s: float) -> bool:
+    def _locked(self, next_stamp_ns: int, newest_command_ns: int, wall_s: float) -> float:
         if next_stamp_ns <= newest_command_ns + self._settings.budget_ns:
             self._waiting_since_s = None
-            return True
+            return 0.0
         if self._waiting_since_s is None:
             self._waiting_since_s = wall_s
         waited_s = wall_s - self._waiting_since_s
@@ -96,7 +98,7 @@ class Pacer:
                 f"lock-step: no command for {waited_s:.1f} s of wall time; simulated time stands before "
                 f"{next_stamp_ns / 1e9:.3f} s and the newest command answers {newest_command_ns / 1e9:.3f} s"
             )
-        return False
+        return _ASK_AGAIN_S
 
 
 class RealTimeMeter:

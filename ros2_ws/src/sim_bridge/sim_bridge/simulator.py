@@ -32,7 +32,7 @@ class Simulator:
     """Robot in a world, advanced tick by tick of its IMU.
 
     Simulated time is a count of physics steps; every sensor instant is a whole number of them, so nothing
-    drifts and the same seed and commands give bit-identical samples. The sensors of a tick see the state
+    drifts, and the same seed and commands give bit-identical samples. The sensors of a tick see the state
     after its last step.
 
     Raises
@@ -57,7 +57,7 @@ class Simulator:
         if step_rate_hz % tick_rate_hz:
             raise ValueError(f"the physics rate must be a multiple of {tick_rate_hz} Hz (IMU), got {step_rate_hz}")
         self._steps_per_tick = step_rate_hz // tick_rate_hz
-        self._step_s = 1.0 / step_rate_hz
+        self.step_s = 1.0 / step_rate_hz
         self._grid = PeriodGrid(step_rate_hz)
         self._steps = 0
         self.intake = CommandIntake(IntakeSettings.from_robot(robot))
@@ -91,7 +91,7 @@ class Simulator:
 
     def step(self) -> SensorBatch | None:
         """One step of the physics; at the end of a tick, what the sensors deliver."""
-        twist = self.intake.update(self.stamp_ns, self._step_s)
+        twist = self.intake.update(self.stamp_ns, self.step_s)
         half_difference = 0.5 * self.robot.tracks.gauge_m * twist.yaw_rate_radps
         self.vehicle.step(twist.speed_mps - half_difference, twist.speed_mps + half_difference)
         self._steps += 1

@@ -19,7 +19,7 @@ def pacer(mode, **tuning):
 
 
 def may(pacer, tick, wall_s, newest_ns=None):
-    return pacer.may_advance(TICKS.stamp_ns(tick), TICKS.stamp_ns(tick + 1), newest_ns, wall_s)
+    return pacer.wait_s(TICKS.stamp_ns(tick), TICKS.stamp_ns(tick + 1), newest_ns, wall_s) == 0.0
 
 
 def run(pacer, calls):
@@ -37,6 +37,12 @@ def test_paced_time_follows_the_wall_clock():
     assert history[0] == 0
     assert history[-1] in (119, 120)
     assert max(b - a for a, b in itertools.pairwise(history)) == 1
+
+
+def test_paced_tick_knows_how_long_it_waits():
+    paced = pacer("paced")
+    may(paced, 0, 7.0)
+    assert paced.wait_s(0, TICKS.stamp_ns(1), None, 7.005) == pytest.approx(PERIOD_S - 0.005)
 
 
 def test_small_lag_is_made_up_for():
