@@ -1,0 +1,73 @@
+"""What a controller may ask of the base."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmpc_layers.solver.track_solver import TrackLimits
+from tracked_description import Robot
+from tracked_types import Twist2
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveLimits:
+    """Limits of the commands (5.2.5) and of their change, all given by the robot."""
+
+    speed_min_mps: float
+    speed_max_mps: float
+    yaw_rate_max_radps: float
+    acceleration_mps2: float
+    braking_mps2: float
+    yaw_acceleration_radps2: float
+    track_speed_mps: float
+    half_gauge_m: float
+
+    @classmethod
+    def from_robot(cls, robot: Robot) -> "DriveLimits":
+        """The limits of a robot file."""
+        limits = robot.limits
+        return cls(
+            speed_min_mps=limits.speed_min_mps,
+            speed_max_mps=limits.speed_max_mps,
+            yaw_rate_max_radps=limits.yaw_rate_max_radps,
+            acceleration_mps2=limits.acceleration_mps2,
+            braking_mps2=limits.braking_mps2,
+            yaw_acceleration_radps2=limits.yaw_acceleration_radps2,
+            track_speed_mps=robot.tracks.speed_limit_mps,
+            half_gauge_m=robot.tracks.gauge_m / 2.0,
+        )
+
+    @property
+    def low(self) -> Array:
+        """Least speed and yaw rate, shape (2,)."""
+        return np.array([self.speed_min_mps, -self.yaw_rate_max_radps])
+
+    @property
+    def high(self) -> Array:
+        """Greatest speed and yaw rate, shape (2,)."""
+        return np.array([self.speed_max_mps, self.yaw_rate_max_radps])
+
+    @property
+    def tracks(self) -> TrackLimits:
+        """Limits that couple speed and yaw rate, and one command and the next."""
+        return TrackLimits(
+            half_gauge_m=self.half_gauge_m,
+            track_speed_mps=self.track_speed_mps,
+            acceleration_mps2=min(self.acceleration_mps2, self.braking_mps2),
+            yaw_acceleration_radps2=self.yaw_acceleration_radps2,
+        )
+
+    def braked(self, twist: Twist2, duration_s: float) -> Twist2:
+        """``twist`` after braking for ``duration_s`` as hard as the limits allow; never beyond standstill."""
+        return Twist2(
+            towards_zero(twist.speed_mps, self.braking_mps2 * duration_s),
+            towards_zero(twist.yaw_rate_radps, self.yaw_acceleration_radps2 * duration_s),
+        )
+
+
+def towards_zero(value: float, step: float) -> float:
+    """``value`` moved by ``step`` towards zero, but not past it."""
+    return max(value - step, 0.0) if value > 0.0 else min(value + step, 0.0)

@@ -1,0 +1,50 @@
+"""Tuned weights of the layers, read from a checked YAML file."""
+
+from importlib import resources
+from pathlib import Path
+
+from nmpc_layers.solver import Weights
+from tracked_types.checked_yaml import CheckedModel, load_checked_yaml
+
+METHODS = ("improved", "thesis")
+PACKAGED = "weights.yaml"
+
+
+class MethodWeights(CheckedModel):
+    """Weights of one method: the upper layer alone, and both layers together."""
+
+    single: Weights
+    upper: Weights
+    lower: Weights
+
+
+class LayerWeights(CheckedModel):
+    """Weights of every method."""
+
+    improved: MethodWeights
+    thesis: MethodWeights
+
+    def of(self, method: str) -> MethodWeights:
+        """Weights of the method of this name.
+
+        Raises
+        ------
+        ValueError: if there is no such method.
+        """
+        if method == "improved":
+            return self.improved
+        if method == "thesis":
+            return self.thesis
+        raise ValueError(f"method must be one of {', '.join(METHODS)}; got {method!r}")
+
+
+def load_weights(path: Path | str | None = None) -> LayerWeights:
+    """Read and check a weights file; without a path (or with an empty one), the packaged weights.yaml.
+
+    Raises
+    ------
+    CheckedFileError: if the file is missing, is not YAML, or a key is missing, unknown or out of range.
+    """
+    if path:
+        return load_checked_yaml(LayerWeights, Path(path))
+    return load_checked_yaml(LayerWeights, resources.files("nmpc_layers") / "data" / PACKAGED, PACKAGED)

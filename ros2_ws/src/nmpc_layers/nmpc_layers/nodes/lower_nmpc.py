@@ -1,0 +1,111 @@
+"""Node lower_nmpc: follows the upper layer's plan at 30 Hz and makes good the slip."""
+
+import sys
+from collections import deque
+from functools import partial
+
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry as OdometryMessage
+from tracked_interfaces.msg import SlipEstimate as SlipMessage
+from tracked_interfaces.msg import SolverStatus as SolverStatusMessage
+from tracked_interfaces.msg import Trajectory as TrajectoryMessage
+
+from nmpc_layers import LowerLayer, LowerSettings
+from nmpc_layers.nodes.status_report import StatusReport
+from node_kit import Parameter, ParameterTable, StackNode, qos, run
+from node_kit.conversions import (
+    command_from_message,
+    command_to_message,
+    odometry_from_message,
+    slip_from_message,
+    solver_status_to_message,
+    trajectory_from_message,
+    trajectory_to_message,
+)
+from tracked_description import ROBOT_FILE, load_robot
+from tracked_types import Odometry, Slip, Trajectory
+
+QUEUE = 120  # odometry kept while waiting in lock-step: far more than the simulator can run ahead
+
+PARAMETERS = ParameterTable.from_settings(
+    LowerSettings,
+    extra=(
+        Parameter(
+            "lock_step",
+            False,
+            "withhold each command until the plan and the slip estimate that are due at its stamp have arrived",
+        ),
+        Parameter(*ROBOT_FILE),
+    ),
+)
+
+
+class LowerNmpcNode(StackNode):
+    """Subscribes odom, slip, upper_nmpc/trajectory, cmd_vel; publishes cmd_vel_nav, its prediction and its status."""
+
+    NAME = "lower_nmpc"
+    PARAMETERS = PARAMETERS
+
+    def __init__(self) -> None:
+        super().__init__()
+        robot = load_robot(self.value("robot_file"))
+        self.layer = LowerLayer(LowerSettings.from_robot(robot, **self.tuning(LowerSettings)))
+        self.lock_step = self.value("lock_step")
+        self.waiting: deque[Odometry] = deque(maxlen=QUEUE)
+        stamped = partial(command_to_message, frame_id=self.frame(robot.frames.base_footprint))
+        self.command = self.publish_typed(TwistStamped, "cmd_vel_nav", stamped, qos.COMMAND)
+        self.prediction = self.publish_typed(
+            TrajectoryMessage, "lower_nmpc/trajectory", trajectory_to_message, qos.STATE
+        )
+        self.status = self.publish_typed(SolverStatusMessage, "lower_nmpc/status", solver_status_to_message, qos.STATE)
+        self.report = StatusReport(self, self.layer.solver.interpreter_reason)
+        self.subscribe_typed(
+            TrajectoryMessage, "upper_nmpc/trajectory", trajectory_from_message, self.on_plan, qos.STATE
+        )
+        self.subscribe_typed(SlipMessage, "slip", slip_from_message, self.on_slip, qos.STATE)
+        self.subscribe_typed(TwistStamped, "cmd_vel", command_from_message, self.layer.set_sent, qos.COMMAND)
+        self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.on_odometry, qos.STATE)
+
+    def on_odometry(self, odometry: Odometry) -> None:
+        """One odometry in, and every tick that it or an earlier one makes possible."""
+        self.waiting.append(odometry)
+        self.work_off()
+
+    def on_plan(self, plan: Trajectory) -> None:
+        """The upper layer's trajectory; in lock-step a tick may have waited for it."""
+        self.layer.set_plan(plan)
+        self.work_off()
+
+    def on_slip(self, slip: Slip) -> None:
+        """The slip estimate; in lock-step a tick may have waited for it."""
+        self.layer.set_slip(slip)
+        self.work_off()
+
+    def work_off(self) -> None:
+        """Tick for the waiting odometry, as far as lock-step permits."""
+        while self.waiting:
+            stamp_ns = self.waiting[0].stamp_ns
+            if self.lock_step and (self.layer.waits_for_plan(stamp_ns) or self.layer.waits_for_slip(stamp_ns)):
+                return
+            self.tick(self.waiting.popleft())
+
+    def tick(self, odometry: Odometry) -> None:
+        """Publish what one odometry brings about."""
+        output = self.layer.update(odometry)
+        if output is None:
+            return
+        if output.command is not None:
+            self.command.publish(output.command)
+        if output.prediction is not None:
+            self.prediction.publish(output.prediction)
+        self.status.publish(output.status)
+        self.report.note(output.status, ignored_odometry=self.layer.ignored_odometry)
+
+
+def main() -> int:
+    """Run the node; the exit code of the process."""
+    return run(LowerNmpcNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

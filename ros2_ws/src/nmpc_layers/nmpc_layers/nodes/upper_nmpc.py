@@ -1,0 +1,77 @@
+"""Node upper_nmpc: plans along the reference at 5 Hz; with `layers: single` it also commands the base."""
+
+import sys
+from functools import partial
+
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry as OdometryMessage
+from tracked_interfaces.msg import SolverStatus as SolverStatusMessage
+from tracked_interfaces.msg import Trajectory as TrajectoryMessage
+
+from nmpc_layers import UpperLayer, UpperSettings
+from nmpc_layers.nodes.status_report import StatusReport
+from node_kit import Parameter, ParameterTable, StackNode, qos, run
+from node_kit.conversions import (
+    command_from_message,
+    command_to_message,
+    odometry_from_message,
+    solver_status_to_message,
+    trajectory_from_message,
+    trajectory_to_message,
+)
+from tracked_description import ROBOT_FILE, load_robot
+from tracked_types import Odometry
+
+PARAMETERS = ParameterTable.from_settings(UpperSettings, extra=(Parameter(*ROBOT_FILE),))
+
+
+class UpperNmpcNode(StackNode):
+    """Subscribes odom, reference_trajectory, cmd_vel; publishes its trajectory, its status, alone also cmd_vel_nav."""
+
+    NAME = "upper_nmpc"
+    PARAMETERS = PARAMETERS
+
+    def __init__(self) -> None:
+        super().__init__()
+        robot = load_robot(self.value("robot_file"))
+        self.layer = UpperLayer(UpperSettings.from_robot(robot, **self.tuning(UpperSettings)))
+        self.trajectory = self.publish_typed(
+            TrajectoryMessage, "upper_nmpc/trajectory", trajectory_to_message, qos.STATE
+        )
+        self.status = self.publish_typed(SolverStatusMessage, "upper_nmpc/status", solver_status_to_message, qos.STATE)
+        self.command = None
+        if self.layer.settings.layers == "single":
+            stamped = partial(command_to_message, frame_id=self.frame(robot.frames.base_footprint))
+            self.command = self.publish_typed(TwistStamped, "cmd_vel_nav", stamped, qos.COMMAND)
+        self.report = StatusReport(self, self.layer.solver.interpreter_reason)
+        self.subscribe_typed(
+            TrajectoryMessage, "reference_trajectory", trajectory_from_message, self.layer.set_reference, qos.STATE
+        )
+        self.subscribe_typed(TwistStamped, "cmd_vel", command_from_message, self.layer.set_sent, qos.COMMAND)
+        self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.on_odometry, qos.STATE)
+
+    def on_odometry(self, odometry: Odometry) -> None:
+        """One odometry in; what is due at its stamp out."""
+        output = self.layer.update(odometry)
+        if output is None:
+            return
+        if output.trajectory is not None:
+            self.trajectory.publish(output.trajectory)
+        if output.command is not None and self.command is not None:
+            self.command.publish(output.command)
+        if output.status is not None:
+            self.status.publish(output.status)
+            self.report.note(
+                output.status,
+                goal=self.layer.approach.phase.value,
+                ignored_odometry=self.layer.ignored_odometry,
+            )
+
+
+def main() -> int:
+    """Run the node; the exit code of the process."""
+    return run(UpperNmpcNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,102 @@
+"""Solver of the problem with box limits on the commands."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmpc_layers.solver.code_cache import compiled
+from nmpc_layers.solver.function_buffer import FunctionBuffer
+from nmpc_layers.solver.motion_model import Motion
+from nmpc_layers.solver.problem import Problem
+from nmpc_layers.solver.riccati import riccati_iteration
+from nmpc_layers.solver.solution import Outcome, Solution
+
+Array = NDArray[np.float64]
+
+
+class BoxSolver:
+    """Control-limited Gauss-Newton method for one structure of model and one horizon.
+
+    Parameters
+    ----------
+    motion, horizon: structure of the problem; all its numbers are run-time inputs.
+    iteration_limit: iterations after which a solve gives up.
+    tolerance: fall of the cost, relative to 1 + cost, below which the model of an iteration makes it the last.
+    use_compiler: False runs the CasADi interpreter.
+    """
+
+    def __init__(
+        self,
+        motion: Motion,
+        horizon: int,
+        *,
+        iteration_limit: int = 40,
+        tolerance: float = 1e-9,
+        use_compiler: bool = True,
+    ) -> None:
+        if horizon < 2:
+            raise ValueError(f"horizon must be at least 2, got {horizon}")
+        self.motion, self.horizon = motion, horizon
+        function = riccati_iteration(motion, horizon)
+        self.interpreter_reason = "" if use_compiler else "not asked to compile"
+        if use_compiler:
+            function, self.interpreter_reason = compiled(function)
+        self._iteration_limit, self._tolerance = iteration_limit, tolerance
+        self._buffer = FunctionBuffer(function)
+        self._guess = np.zeros((horizon, 2))
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether machine code runs; if not, `interpreter_reason` says why."""
+        return not self.interpreter_reason
+
+    def start_from(self, guess: Array) -> None:
+        """Set the commands (N, 2) from which the next solve starts; it clips them to its bounds."""
+        self._guess[:] = guess
+
+    def solve(self, problem: Problem) -> Solution:
+        """Solve from the current guess, which the solution then replaces (see `shift`).
+
+        Never raises for bad numbers: the outcome tells. After anything but convergence the guess is forgotten.
+        """
+        table, result = self._buffer.inputs, self._buffer.outputs
+        table["start"][0] = problem.start
+        table["state_reference"][:] = problem.state_reference
+        table["input_reference"][:] = problem.input_reference
+        table["parameters"][0] = problem.parameters.as_array()
+        table["weights"][0] = problem.weights.as_array()
+        table["bounds"][:, :2] = problem.low
+        table["bounds"][:, 2:] = problem.high
+        commands, new_commands = table["commands"], result["new_commands"]
+        commands[:] = self._guess
+        outcome, iterations = Outcome.ITERATION_LIMIT, 0
+        while iterations < self._iteration_limit:
+            self._buffer.call()
+            iterations += 1
+            commands[:] = new_commands
+            cost, change, expected = result["new_cost"].item(), result["change"].item(), result["expected"].item()
+            # A number that is not finite anywhere in the problem makes the cost so (and fails every comparison).
+            if not cost < math.inf:
+                return self._failure(Outcome.NON_FINITE, iterations)
+            if -expected < self._tolerance * (1.0 + cost):
+                outcome = Outcome.CONVERGED
+                break
+            if change == 0.0:
+                outcome = Outcome.STALLED
+                break
+        self._guess[:] = commands
+        return Solution(commands.copy(), result["states"].copy(), cost, iterations, outcome)
+
+    def shift(self, stages: int) -> None:
+        """Move the guess ``stages`` stages ahead, repeating its last command."""
+        stages = min(max(stages, 0), self.horizon - 1)
+        if stages:
+            self._guess[:-stages] = self._guess[stages:].copy()
+            self._guess[-stages:] = self._guess[-1]
+
+    def _failure(self, outcome: Outcome, iterations: int) -> Solution:
+        self._guess[:] = 0.0
+        count = self.motion.state_count
+        states = np.full((self.horizon + 1, count), np.nan)
+        return Solution(np.zeros((self.horizon, 2)), states, float("nan"), iterations, outcome)

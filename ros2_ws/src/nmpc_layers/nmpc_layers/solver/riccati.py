@@ -1,0 +1,238 @@
+"""One iteration of the control-limited Gauss-Newton method, as a CasADi function of the problem.
+
+A backward Riccati sweep with an exact box QP per stage (Tassa, Mansard, Todorov: Control-limited
+differential dynamic programming, ICRA 2014) on the Gauss-Newton model of the cost, then roll-outs with
+decreasing step sizes, of which the shorter ones are computed only if the full one does not lower the cost.
+Work and memory grow linearly with the horizon.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi
+
+from nmpc_layers.solver.box_quadratic import minimise_in_box
+from nmpc_layers.solver.motion_model import PARAMETER_COUNT, Motion, next_state
+from nmpc_layers.solver.weights import WEIGHT_COUNT
+
+Expression = Any
+Function = Any
+
+SHORTER_STEPS = (0.5, 0.2, 0.05, 0.01)
+INPUT_NAMES = ["start", "commands", "state_reference", "input_reference", "parameters", "weights", "bounds"]
+OUTPUT_NAMES = ["new_commands", "new_cost", "old_cost", "change", "expected", "states"]
+
+
+def riccati_iteration(motion: Motion, horizon: int) -> Function:
+    """Build the iteration for ``horizon`` stages.
+
+    Inputs: start (n,), commands (2, N), state_reference (3, N+1), input_reference (2, N),
+    parameters (7,), weights (8,), bounds (4, N): low then high of each stage's command, to which the given
+    commands are clipped first.
+    Outputs: new_commands (2, N); their cost; the old cost; the largest change of a command; the cost
+    change that the quadratic model expected (not positive); states (n, N+1) of the new commands.
+    """
+    stages = _Stages.build(motion)
+    count = motion.state_count
+    start = casadi.MX.sym("start", count)
+    guess = casadi.MX.sym("commands", 2, horizon)
+    state_reference = casadi.MX.sym("state_reference", 3, horizon + 1)
+    input_reference = casadi.MX.sym("input_reference", 2, horizon)
+    parameters = casadi.MX.sym("parameters", PARAMETER_COUNT)
+    weights = casadi.MX.sym("weights", WEIGHT_COUNT)
+    bounds = casadi.MX.sym("bounds", 4, horizon)
+    commands = casadi.fmin(casadi.fmax(guess, bounds[:2, :]), bounds[2:, :])
+    all_parameters = casadi.repmat(parameters, 1, horizon)
+    all_weights = casadi.repmat(weights, 1, horizon)
+
+    rolled = stages.plain.mapaccum(horizon)(
+        casadi.vertcat(start, 0), commands, state_reference[:, :-1], input_reference, all_parameters, all_weights
+    )
+    states = casadi.horzcat(start, rolled[:count, :])
+    old_cost = rolled[count, -1] + _terminal_cost(rolled[:3, -1], state_reference[:, -1], weights)
+
+    backwards = list(range(horizon - 1, -1, -1))
+    swept, changes, gains = stages.sweep.mapaccum(horizon)(
+        _terminal_value(motion, states[:3, -1], state_reference[:, -1], weights),
+        *(table[:, backwards] for table in (states, commands, state_reference[:, :-1], input_reference)),
+        all_parameters,
+        all_weights,
+        bounds[:, backwards],
+    )
+    expected = swept[-1, -1]
+
+    # What a roll-out needs beside its step size; the same list serves the conditional function below.
+    tables = [
+        *(start, commands, states[:, :-1], changes[:, backwards], gains[:, backwards]),
+        *(state_reference, input_reference, parameters, weights, bounds),
+    ]
+    attempt = _roll_out(stages.feedback, motion, horizon)
+    full = attempt(1.0, *tables)
+    search = _shorter_steps(attempt, tables)
+    keep = casadi.Function("keep", search.mx_in(), search.mx_in()[:3])
+    chosen = casadi.Function.if_else("choose", keep, search)(full[1] < old_cost, *full, states, old_cost, *tables)
+    change = casadi.mmax(casadi.fabs(chosen[0] - commands))
+    return casadi.Function(
+        f"riccati_{motion.value}_{horizon}",
+        [start, guess, state_reference, input_reference, parameters, weights, bounds],
+        [chosen[0], chosen[1], old_cost, change, expected, chosen[2]],
+        INPUT_NAMES,
+        OUTPUT_NAMES,
+    )
+
+
+def _terminal_cost(pose: Expression, reference: Expression, weights: Expression) -> Expression:
+    return casadi.dot(weights[5:8], (pose - reference) ** 2)
+
+
+def _terminal_value(motion: Motion, pose: Expression, reference: Expression, weights: Expression) -> Expression:
+    """Value function of the last state, packed as `_Stages.sweep` carries it."""
+    packed = []
+    for row, column in _upper_triangle(motion.state_count):
+        packed.append(2 * weights[5 + row] if row == column and row < 3 else casadi.MX(0))
+    gradient = 2 * weights[5:8] * (pose - reference)
+    return casadi.vertcat(*packed, gradient, casadi.MX.zeros(motion.state_count - 3), 0)
+
+
+def _roll_out(feedback: Function, motion: Motion, horizon: int) -> Function:
+    """Function of (step size, tables) -> (commands, cost, states) that follows the sweep's feedback law."""
+    count = motion.state_count
+    size = casadi.MX.sym("size")
+    start = casadi.MX.sym("start", count)
+    tables = [
+        casadi.MX.sym("commands", 2, horizon),
+        casadi.MX.sym("states", count, horizon),
+        casadi.MX.sym("changes", 2, horizon),
+        casadi.MX.sym("gains", 2 * count, horizon),
+    ]
+    state_reference = casadi.MX.sym("state_reference", 3, horizon + 1)
+    input_reference = casadi.MX.sym("input_reference", 2, horizon)
+    parameters = casadi.MX.sym("parameters", PARAMETER_COUNT)
+    weights = casadi.MX.sym("weights", WEIGHT_COUNT)
+    bounds = casadi.MX.sym("bounds", 4, horizon)
+    rolled, commands = feedback.mapaccum(horizon)(
+        casadi.vertcat(start, 0),
+        *tables,
+        state_reference[:, :-1],
+        input_reference,
+        *(casadi.repmat(column, 1, horizon) for column in (parameters, weights)),
+        bounds,
+        casadi.repmat(size, 1, horizon),
+    )
+    cost = rolled[count, -1] + _terminal_cost(rolled[:3, -1], state_reference[:, -1], weights)
+    return casadi.Function(
+        "roll_out",
+        [size, start, *tables, state_reference, input_reference, parameters, weights, bounds],
+        [commands, cost, casadi.horzcat(start, rolled[:count, :])],
+    )
+
+
+def _shorter_steps(attempt: Function, tables: list[Expression]) -> Function:
+    """Function (commands, cost, states of the full step; old states, old cost; tables) -> the best shorter step."""
+    full = [casadi.MX.sym("full", attempt.sparsity_out(index)) for index in range(3)]
+    old_states = casadi.MX.sym("old_states", attempt.sparsity_out(2))
+    old_cost = casadi.MX.sym("old_cost")
+    symbols = [casadi.MX.sym("table", table.sparsity()) for table in tables]
+    best = [symbols[1], old_cost, old_states]
+    for size in SHORTER_STEPS:
+        tried = attempt(size, *symbols)
+        better = tried[1] < best[1]
+        best = [casadi.if_else(better, new, kept) for new, kept in zip(tried, best, strict=True)]
+    return casadi.Function("search", [*full, old_states, old_cost, *symbols], best)
+
+
+def _upper_triangle(count: int) -> list[tuple[int, int]]:
+    return [(row, column) for row in range(count) for column in range(row, count)]
+
+
+@dataclass(frozen=True)
+class _Stages:
+    """Functions of one stage, mapped over the horizon by loops in the generated code."""
+
+    plain: Function
+    sweep: Function
+    feedback: Function
+
+    @classmethod
+    def build(cls, motion: Motion) -> "_Stages":
+        symbol = casadi.SX.sym
+        count = motion.state_count
+        state, command = symbol("state", count), symbol("command", 2)
+        reference, target = symbol("reference", 3), symbol("target", 2)
+        parameters, weights = symbol("parameters", PARAMETER_COUNT), symbol("weights", WEIGHT_COUNT)
+        bounds, cost = symbol("bounds", 4), symbol("cost")
+
+        def stage_cost(applied: Expression) -> Expression:
+            pose_error = casadi.dot(weights[:3], (state[:3] - reference) ** 2)
+            return pose_error + casadi.dot(weights[3:5], (applied - target) ** 2)
+
+        def advance(applied: Expression) -> Expression:
+            return casadi.vertcat(next_state(motion, state, applied, parameters), cost + stage_cost(applied))
+
+        carried = casadi.vertcat(state, cost)
+        plain = casadi.Function("plain", [carried, command, reference, target, parameters, weights], [advance(command)])
+
+        old_state, change, size = symbol("old_state", count), symbol("change", 2), symbol("size")
+        gain = symbol("gain", 2 * count)
+        applied = command + size * change + casadi.reshape(gain, 2, count) @ (state - old_state)
+        applied = casadi.fmin(casadi.fmax(applied, bounds[:2]), bounds[2:])
+        feedback = casadi.Function(
+            "feedback",
+            [carried, command, old_state, change, gain, reference, target, parameters, weights, bounds, size],
+            [advance(applied), applied],
+        )
+        return cls(plain, _sweep(motion), feedback)
+
+
+def _sweep(motion: Motion) -> Function:
+    """Backward stage: value function after -> value function before, command change and feedback gain.
+
+    The value function travels as its Hessian's upper triangle, its gradient and the expected cost change.
+    """
+    symbol = casadi.SX.sym
+    count = motion.state_count
+    state, command = symbol("state", count), symbol("command", 2)
+    reference, target = symbol("reference", 3), symbol("target", 2)
+    parameters, weights, bounds = symbol("parameters", PARAMETER_COUNT), symbol("weights", WEIGHT_COUNT), symbol("b", 4)
+    triangle = _upper_triangle(count)
+    packed = symbol("hessian", len(triangle))
+    gradient, expected = symbol("gradient", count), symbol("expected")
+    hessian = casadi.SX(count, count)
+    for index, (row, column) in enumerate(triangle):
+        hessian[row, column] = packed[index]
+        hessian[column, row] = packed[index]
+
+    following = next_state(motion, state, command, parameters)
+    by_state, by_command = casadi.jacobian(following, state), casadi.jacobian(following, command)
+    padding = casadi.SX.zeros(count - 3)
+    state_gradient = casadi.vertcat(2 * weights[:3] * (state[:3] - reference), padding) + by_state.T @ gradient
+    command_gradient = 2 * weights[3:5] * (command - target) + by_command.T @ gradient
+    carried_over = hessian @ by_state
+    state_hessian = casadi.diag(casadi.vertcat(2 * weights[:3], padding)) + by_state.T @ carried_over
+    mixed = by_command.T @ carried_over
+    command_hessian = casadi.diag(2 * weights[3:5]) + by_command.T @ (hessian @ by_command)
+
+    change, free = minimise_in_box(command_hessian, command_gradient, bounds[:2] - command, bounds[2:] - command)
+    gain = _feedback_gain(command_hessian, mixed, free)
+    value_gradient = state_gradient + gain.T @ (command_hessian @ change + command_gradient) + mixed.T @ change
+    coupling = gain.T @ mixed
+    value_hessian = state_hessian + gain.T @ command_hessian @ gain + coupling + coupling.T
+    gained = casadi.dot(command_gradient, change) + casadi.dot(change, command_hessian @ change) / 2
+    before = casadi.vertcat(*(value_hessian[row, column] for row, column in triangle), value_gradient)
+    return casadi.Function(
+        "sweep",
+        [
+            casadi.vertcat(packed, gradient, expected),
+            *(state, command, reference, target, parameters, weights, bounds),
+        ],
+        [casadi.vertcat(before, expected + gained), change, casadi.vec(gain)],
+    )
+
+
+def _feedback_gain(command_hessian: Expression, mixed: Expression, free: Expression) -> Expression:
+    """Gain (2, n) on the state error; a component that its bound holds does not react."""
+    first, cross, second = command_hessian[0, 0], command_hessian[0, 1], command_hessian[1, 1]
+    determinant = first * second - cross * cross
+    both = -casadi.vertcat(second * mixed[0, :] - cross * mixed[1, :], first * mixed[1, :] - cross * mixed[0, :])
+    single = casadi.vertcat(-mixed[0, :] / first * free[0], -mixed[1, :] / second * free[1])
+    return casadi.if_else(free[0] * free[1], both / determinant, single)
