@@ -52,7 +52,7 @@ class Simulator:
         self.robot = robot
         self.world = world
         self._settings = settings or SimulatorSettings()
-        self._start = start or world.start()
+        self.start = start or world.start()
         step_rate_hz, tick_rate_hz = self._settings.physics.physics_rate_hz, robot.imu.rate_hz
         if step_rate_hz % tick_rate_hz:
             raise ValueError(f"the physics rate must be a multiple of {tick_rate_hz} Hz (IMU), got {step_rate_hz}")
@@ -61,7 +61,7 @@ class Simulator:
         self._grid = PeriodGrid(step_rate_hz)
         self._steps = 0
         self.intake = CommandIntake(IntakeSettings.from_robot(robot))
-        self.vehicle = Vehicle(robot, world, self._settings.physics, self._start)
+        self.vehicle = Vehicle(robot, world, self._settings.physics, self.start)
         self.sensors = SensorSuite(robot, self._settings.lidar_mode, seed, self._motion())
 
     @property
@@ -102,7 +102,7 @@ class Simulator:
 
     def reset(self, seed: int) -> None:
         """Robot, world and sensors as they were at the start, with the noise of ``seed``; time goes on."""
-        self.vehicle.reset(self._start)
+        self.vehicle.reset(self.start)
         self.intake.reset()
         self.sensors = SensorSuite(self.robot, self._settings.lidar_mode, seed, self._motion())
 

@@ -20,6 +20,7 @@ def node_parameters(scenario: Scenario, variant: str) -> dict[str, dict[str, Val
         "time_mode": scenario.time,
     }
     if isinstance(scenario.start, StartPose):
+        simulator["start"] = "pose"
         simulator["start_pose"] = [scenario.start.x_m, scenario.start.y_m, scenario.start.yaw_rad]
     else:
         simulator["start"] = scenario.start
