@@ -1,10 +1,11 @@
 """Node of the simulated robot: its topics, its services and the pace of simulated time."""
 
+import math
 import time
 
 from geometry_msgs.msg import Twist, TwistStamped
 
-from node_kit import Level, Parameter, ParameterTable, RejectedMessage, StackNode, qos, run
+from node_kit import BadParameterError, Level, Parameter, ParameterTable, RejectedMessage, StackNode, qos, run
 from node_kit.conversions import command_from_message, twist_from_message
 from sim_bridge.command_intake import CommandRefused
 from sim_bridge.nodes.sensor_publishers import SensorPublishers
@@ -14,10 +15,10 @@ from sim_bridge.physics_settings import PhysicsSettings
 from sim_bridge.run_control import RunControl
 from sim_bridge.simulator import Simulator, SimulatorSettings
 from sim_bridge.vehicle import PhysicsDivergedError
-from sim_bridge.world import load_world
+from sim_bridge.world import World, load_world
 from sim_bridge.world_control import WorldControl
 from tracked_description import ROBOT_FILE, load_robot
-from tracked_types import Twist2, VelocityCommand
+from tracked_types import Pose2, Twist2, VelocityCommand
 
 PARAMETERS = ParameterTable.from_settings(
     PhysicsSettings,
@@ -26,7 +27,9 @@ PARAMETERS = ParameterTable.from_settings(
     extra=(
         Parameter(*ROBOT_FILE),
         Parameter("world", "flat", "Name of a packaged world, or the path of a world file."),
-        Parameter("start", "default", "Which of the world's start poses the robot stands at."),
+        Parameter("start", "default", "Which of the world's start poses the robot stands at; pose: at start_pose."),
+        Parameter("start_pose", (0.0, 0.0, 0.0), "x (m), y (m) and yaw (rad) in the world, for start: pose."),
+        Parameter("start_paused", False, "Whether time stands still until set_simulation_state lets it run."),
         Parameter("seed", 0, "Seed of all sensor noise.", low=0),
         Parameter("stamped_commands", True, "Whether cmd_vel is a TwistStamped, or a Twist that acts when it comes."),
     ),
@@ -48,17 +51,26 @@ class SimBridgeNode(StackNode):
             world,
             SimulatorSettings(physics=physics, **self.tuning(SimulatorSettings)),
             seed=self.value("seed"),
-            start=world.start(self.value("start")),
+            start=self._start_pose(world),
         )
         self.meter = RealTimeMeter()
         pacer = Pacer(PacingSettings.from_robot(robot, **self.tuning(PacingSettings)))
         self.simulation = RunControl(self.simulator, pacer, SensorPublishers(self, robot).publish)
+        self.simulation.set_paused(self.value("start_paused"))
         SimulationServices(self, self.simulation, WorldControl(self.simulator))
         if self.value("stamped_commands"):
             self.subscribe_typed(TwistStamped, "cmd_vel", command_from_message, self.on_command, qos.COMMAND)
         else:
             self.subscribe_typed(Twist, "cmd_vel", twist_from_message, self.on_twist, qos.COMMAND)
         self.diagnostics.add_source(self.report)
+
+    def _start_pose(self, world: World) -> Pose2:
+        name, numbers = self.value("start"), self.value("start_pose")
+        if name != "pose":
+            return world.start(name)
+        if len(numbers) != 3 or not all(math.isfinite(number) for number in numbers):
+            raise BadParameterError(f"parameter start_pose must be three finite numbers, got {numbers!r}")
+        return Pose2(*numbers)
 
     def on_command(self, command: VelocityCommand) -> None:
         """Hand a command to the simulator; node_kit counts refusals with their sender."""
