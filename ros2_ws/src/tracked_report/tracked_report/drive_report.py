@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Mapping
 
+import numpy as np
+
 from tracked_report.drive_tables import channel_table, other_table, reduction_text, tracking_table
 from tracked_report.html_report import Headline, Report, Section, Table
 from tracked_report.metrics import MetricSheet, NotRecordedError
@@ -112,7 +114,7 @@ def draw(runs: Runs, job: tuple[str, str, str, Draw]) -> Picture:
     """One picture in the common style, or the reason why it cannot be drawn."""
     slug, title, caption, function = job
     try:
-        with styled():
+        with styled(), np.errstate(over="ignore", invalid="ignore"):
             return Picture(slug, title, caption, svg=function(runs, slug))
     except NotRecordedError as error:
         return Picture(slug, title, caption, missing=str(error))

@@ -73,9 +73,10 @@ def synthetic_record(settings: SyntheticSettings | None = None) -> RunRecord:
     return recorder.record(_meta(chosen))
 
 
-def synthetic_pair(seed: int = 1) -> dict[str, RunRecord]:
+def synthetic_pair(seed: int = 1, duration_s: float = 22.0) -> dict[str, RunRecord]:
     """A single-layer and a double-layer record, as the demo's."""
-    return {layers: synthetic_record(SyntheticSettings(layers=layers, seed=seed)) for layers in ("single", "double")}
+    settings = [SyntheticSettings(layers=layers, seed=seed, duration_s=duration_s) for layers in ("single", "double")]
+    return {chosen.layers: synthetic_record(chosen) for chosen in settings}
 
 
 def _reference(times: Array, rest_s: float) -> tuple[Array, Array]:

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
+import numpy as np
+
 from tracked_report.metrics.commands import command_metrics
 from tracked_report.metrics.comparison import reductions
 from tracked_report.metrics.ride import ride_metrics
@@ -37,7 +39,9 @@ def run_metrics(record: RunRecord, settings: MetricSettings | None = None) -> Me
     sheet = MetricSheet()
     for group, part, job in jobs:
         try:
-            sheet.update(job(), group)
+            # A figure that overflows is missing, not a warning.
+            with np.errstate(over="ignore", invalid="ignore"):
+                sheet.update(job(), group)
         except NotRecordedError as error:
             sheet.missing[f"{group}.{part}" if part else group] = str(error)
     return sheet
