@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from sim_bridge.belts.state import Array, Contacts, Workspace
 from sim_bridge.compiled import compiled
 
@@ -11,6 +13,8 @@ _DEPTH_LIMIT = 0.02
 _END_FACE = 0.9
 # Sine of the angle up to which a bar lies flush on the face of a box.
 _FLUSH = 0.03
+# Distance (m) from a body's surface up to which a point counts as on it.
+_ON_SURFACE = 0.001
 
 
 @compiled
@@ -31,8 +35,9 @@ def add_contact(
     ``point``: position on the body and normal towards the bar, 6 numbers. ``friction``: NaN where zones decide.
     ``box``: (15,) centre, rotation (row by row) and half extents of the body; no extents if it is no box.
 
-    On a flat face the closest point is an arbitrary one of many; there the bar's two nodes take the contact, as they
-    do on the floor, so that a robot stands on a box as on the ground.
+    The closest point of a line or an area of contact is an arbitrary one of many, and another one at the next step.
+    On a flat face the bar's two nodes take the contact, as they do on the floor, so that a robot stands on a box as on
+    the ground; a line across the belt is represented by its middle.
     """
     nodes = work.nodes
     along, length = 0.0, 0.0
@@ -54,11 +59,30 @@ def add_contact(
                     count += 1
                     left -= 0.5 * weight
     if left > 1e-9 and count < contacts.side.shape[0]:
-        _write(contacts, count, side, bar, contacts.position[count], point, min(depth, _DEPTH_LIMIT), left, friction)
-        for axis in range(3):
-            contacts.position[count, axis] = point[axis]
+        position = _on_centre_line(work, side, bar, point, box)
+        _write(contacts, count, side, bar, position, point, min(depth, _DEPTH_LIMIT), left, friction)
         count += 1
     return count
+
+
+@compiled
+def _on_centre_line(work: Workspace, side: int, bar: int, point: tuple[float, ...], box: Array) -> Array:
+    """The contact's position, in the middle of the belt if a face or an edge of a box touches it in all its width."""
+    position = np.array((point[0], point[1], point[2]))
+    lateral, aside = 0.0, 0.0
+    for axis in range(3):
+        lateral += point[3 + axis] * work.rotation[axis, 1]
+        aside += (position[axis] - work.nodes[side, bar, axis]) * work.rotation[axis, 1]
+    if box[12] > 0.0 and abs(lateral) < _FLUSH:
+        middle = position - aside * work.rotation[:, 1]
+        for axis in range(3):
+            local = 0.0
+            for k in range(3):
+                local += box[3 + 3 * k + axis] * (middle[k] - box[k])
+            if abs(local) > box[12 + axis] + _ON_SURFACE:
+                return position
+        return middle
+    return position
 
 
 @compiled
