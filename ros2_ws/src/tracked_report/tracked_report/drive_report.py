@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from tracked_report.drive_tables import channel_table, other_table, reduction_text, tracking_table
-from tracked_report.html_report import Headline, Report, Section, Table
+from tracked_report.html_report import Headline, Report, Section, Table, Tone
 from tracked_report.metrics import MetricSheet, NotRecordedError
 from tracked_report.plots import signal_plots, timing_plots, tracking_plots
 from tracked_report.plots.style import Picture, styled
@@ -143,8 +143,8 @@ def _headlines(sheet: MetricSheet, variants: list[str], baseline: str) -> list[H
             percent = sheet.values.get(key if len(variants) == 2 else f"{others[-1]}.{key}")
             if percent is not None:
                 note = f"{others[-1]} against {baseline}, estimated frame"
-                tone = "good" if percent > 0.0 else "bad"
-                lines.append(Headline(reduction_text(percent), f"RMS {label} error", note, tone))  # type: ignore[arg-type]
+                tone: Tone = "good" if percent > 0.0 else "bad"
+                lines.append(Headline(reduction_text(percent), f"RMS {label} error", note, tone))
     slip = sheet.values.get("slip.yaw_rate_rms_radps")
     if slip is not None:
         lines.append(Headline(f"{slip:.4f} rad/s", "slip yaw rate, RMS error", "estimate against truth, worst run"))

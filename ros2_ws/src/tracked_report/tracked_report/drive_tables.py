@@ -5,9 +5,10 @@ from collections.abc import Mapping, Sequence
 from tracked_report.html_report import Cell, Table, Tone
 from tracked_report.metrics.comparison import reduction_percent
 from tracked_report.run_record import RunRecord
-from tracked_report.terminal import coloured, render_table
+from tracked_report.terminal import Align, coloured, render_table
 
 Values = Mapping[str, float]
+_NUMBERS: Align = "right"
 
 TABLE_5_1 = (
     ("ptop_x_m", "PtoP x (m)"),
@@ -103,8 +104,8 @@ def terminal_summary(values: Values, variants: Sequence[str], baseline: str) -> 
         if all(cell.text == "–" for row in table.cells() for cell in row[1:]):
             continue
         rows = [[_for_terminal(cell) for cell in row] for row in table.cells()]
-        align = ["left", *["right"] * (len(table.headers) - 1)]
-        blocks.append(f"{table.caption}\n{render_table(rows, table.headers, align, indent='  ')}")  # type: ignore[arg-type]
+        align: list[Align] = ["left", *(_NUMBERS for _ in table.headers[1:])]
+        blocks.append(f"{table.caption}\n{render_table(rows, table.headers, align, indent='  ')}")
     return "\n\n".join(blocks) or "No tracking figures: nothing to compare was recorded."
 
 
