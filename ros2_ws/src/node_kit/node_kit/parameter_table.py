@@ -94,7 +94,7 @@ class ParameterTable:
         for parameter in self:
             value = checked[parameter.name]
             plain = list(value) if isinstance(value, tuple) else value
-            entry = yaml.safe_dump({parameter.name: plain}, default_flow_style=None, width=10_000).strip()
+            entry = yaml.safe_dump({parameter.name: plain}, default_flow_style=True, width=10_000).strip()[1:-1]
             lines += [f"    # {_one_line(parameter)}", f"    {entry}"]
         return "\n".join(lines) + "\n"
 

@@ -75,8 +75,8 @@ def run(*node_classes: type[StackNode], args: Sequence[str] | None = None) -> in
     arguments = list(sys.argv if args is None else args)
     name = " ".join(node_class.NAME for node_class in node_classes)
     try:
-        own = remove_ros_args(arguments)[1:]
-    except RuntimeError as error:
+        own, kind = remove_ros_args(arguments)[1:], executor_kind()
+    except (RuntimeError, ValueError) as error:
         return _refuse(name, " ".join(str(error).split()))
     if own in (["--help"], ["-h"]):
         print(render_nodes(node_classes), end="")
@@ -91,7 +91,7 @@ def run(*node_classes: type[StackNode], args: Sequence[str] | None = None) -> in
         except Exception as error:
             return _refuse(name, " ".join(str(error).split()))
         try:
-            executor = make_executor()
+            executor = make_executor(kind)
             code = _start(node_classes, nodes, executor)
             stop.started()
             if code == OK:
@@ -106,11 +106,21 @@ def run(*node_classes: type[StackNode], args: Sequence[str] | None = None) -> in
     return code
 
 
-def make_executor() -> Any:
-    """The executor that NODE_KIT_EXECUTOR names; where rclpy has no events executor, the single-threaded one."""
+def executor_kind() -> str:
+    """What NODE_KIT_EXECUTOR asks for.
+
+    Raises
+    ------
+    ValueError: it is neither ``events`` nor ``single``.
+    """
     kind = os.environ.get("NODE_KIT_EXECUTOR", "events")
     if kind not in ("events", "single"):
         raise ValueError(f"NODE_KIT_EXECUTOR must be events or single, got {kind!r}")
+    return kind
+
+
+def make_executor(kind: str) -> Any:
+    """The executor of a kind; where rclpy has no events executor, the single-threaded one."""
     if kind == "events":
         try:
             from rclpy.experimental import EventsExecutor
