@@ -98,13 +98,13 @@ class Vehicle:
         self.step_index = 0
         self.place(start)
 
-    def place(self, start: Pose2) -> None:
-        """Put the robot at rest on the floor, wherever it was; belt travel goes on counting from where it is."""
+    def place(self, pose: Pose2) -> None:
+        """Put the robot at rest on the floor at ``pose``; its belts keep their travel, the world stays as it is."""
         travelled = self._belts.belt_travel.copy()
         self._belts.assign(new_state(self._wheels, self._parameters.rest_travel))
         self._belts.belt_travel[:] = travelled
-        position = (start.x_m, start.y_m, self.robot.chassis.com_height_m)
-        orientation = pybullet.getQuaternionFromEuler((0.0, 0.0, start.yaw_rad))
+        position = (pose.x_m, pose.y_m, self.robot.chassis.com_height_m)
+        orientation = pybullet.getQuaternionFromEuler((0.0, 0.0, pose.yaw_rad))
         pybullet.resetBasePositionAndOrientation(self._chassis, position, orientation, physicsClientId=self.client)
         pybullet.resetBaseVelocity(self._chassis, (0.0,) * 3, (0.0,) * 3, physicsClientId=self.client)
         self._read_chassis()
@@ -182,7 +182,7 @@ class Vehicle:
         )
 
     @property
-    def wheel_loads_n(self) -> Array:
+    def belt_loads_n(self) -> Array:
         """Normal load of each bar of the belts in the last step, (2, wheels + 1), left and right, rear to front."""
         return self._work.load.copy()
 
