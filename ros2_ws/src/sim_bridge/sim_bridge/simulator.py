@@ -108,7 +108,7 @@ class Simulator:
 
     def place_robot(self, pose: Pose2) -> None:
         """Put the robot at rest at ``pose`` on the floor; sensors do not take it for movement."""
-        self.vehicle.reset(pose)
+        self.vehicle.place(pose)
         self.sensors.restart(self._motion())
 
     def inject(self, fault: Fault) -> None:

@@ -7,7 +7,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from sim_bridge.sensors.mounting import PointMotion
-from sim_bridge.sensors.rotations import rotation_from_vector, vector_of_rotation
+from sim_bridge.sensors.rotations import cross_matrix, rotation_from_vector, vector_of_rotation
 from tracked_description.robot import Lidar
 from tracked_types import LaserScan, PeriodGrid
 
@@ -79,7 +79,7 @@ class LidarSensor:
         # Within one tick the sensor turns a few milliradians: first order about its middle is exact to 1e-5.
         middle = before.rotation @ rotation_from_vector(0.5 * turn)
         directions = self._directions[first:last]
-        turned = directions + np.cross((share - 0.5) * turn, directions)
+        turned = directions + (share - 0.5) * (directions @ cross_matrix(turn).T)
         self._fire(slice(first, last), origins, turned @ middle.T, cast)
 
     def _fire(self, beams: slice, origins: Array, directions: Array, cast: CastRays) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim_bridge.sensors.rotations import rotation_from_roll_pitch_yaw
+from sim_bridge.sensors.rotations import cross_matrix, rotation_from_roll_pitch_yaw
 from tracked_description.robot import Mount, Robot
 
 Array = NDArray[np.float64]
@@ -49,6 +49,6 @@ class Mounting:
         return PointMotion(
             position_m=chassis.position_m + arm,
             rotation=chassis.rotation @ self.rotation,
-            velocity_mps=chassis.velocity_mps + np.cross(chassis.angular_velocity_radps, arm),
+            velocity_mps=chassis.velocity_mps + cross_matrix(chassis.angular_velocity_radps) @ arm,
             angular_velocity_radps=chassis.angular_velocity_radps,
         )

@@ -35,11 +35,16 @@ def roll_pitch_yaw_of(rotation: Array) -> Array:
     )
 
 
+def cross_matrix(vector: Array) -> Array:
+    """The matrix (3, 3) whose product with u is ``vector`` x u; far quicker than numpy.cross on single vectors."""
+    x, y, z = vector.tolist()
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
 def rotation_from_vector(vector_rad: Array) -> Array:
     """Rotation by ``|vector_rad|`` about the direction of ``vector_rad`` (3,) (Rodrigues)."""
-    angle = float(np.linalg.norm(vector_rad))
-    x, y, z = vector_rad
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    angle = math.hypot(*vector_rad.tolist())
+    cross = cross_matrix(vector_rad)
     rotation: Array = np.eye(3) + cross
     if angle > _SMALL_ANGLE_RAD:
         rotation += (math.sin(angle) / angle - 1.0) * cross + ((1.0 - math.cos(angle)) / angle**2) * (cross @ cross)
@@ -48,15 +53,9 @@ def rotation_from_vector(vector_rad: Array) -> Array:
 
 def vector_of_rotation(rotation: Array) -> Array:
     """Rotation vector (3,) of a rotation by less than pi; the inverse of `rotation_from_vector`."""
-    axis = 0.5 * np.array(
-        [
-            rotation[2, 1] - rotation[1, 2],
-            rotation[0, 2] - rotation[2, 0],
-            rotation[1, 0] - rotation[0, 1],
-        ]
-    )
-    sine = float(np.linalg.norm(axis))
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation.tolist()
+    axis = 0.5 * np.array([zy - yz, xz - zx, yx - xy])
+    sine = math.hypot(*axis.tolist())
     if sine < _SMALL_ANGLE_RAD:
         return axis
-    angle = math.atan2(sine, 0.5 * (float(np.trace(rotation)) - 1.0))
-    return axis * (angle / sine)
+    return axis * (math.atan2(sine, 0.5 * (xx + yy + zz - 1.0)) / sine)
