@@ -9,7 +9,6 @@ from hypothesis.extra import numpy as hnp
 
 from tracked_report.channel import Channel
 from tracked_report.run_record import Event, RunMeta, RunRecord, RunRecordError
-from tracked_report.scene import Outline
 from tracked_report.synthetic import SyntheticSettings, synthetic_record
 
 
@@ -111,10 +110,3 @@ def test_a_failed_save_leaves_the_old_record(saved, monkeypatch):
         synthetic_record(SyntheticSettings(duration_s=2.0)).save(saved)
     assert saved.read_bytes() == before
     assert [path.name for path in saved.parent.iterdir()] == [saved.name]
-
-
-def test_boxes_and_circles_become_polygons():
-    box = Outline.box(1.0, 2.0, 4.0, 2.0, yaw_rad=np.pi / 2)
-    assert np.allclose(sorted(box.points), sorted([(2.0, 4.0), (0.0, 4.0), (0.0, 0.0), (2.0, 0.0)]))
-    circle = np.array(Outline.circle(1.0, 2.0, 0.5).points)
-    assert np.allclose(np.hypot(circle[:, 0] - 1.0, circle[:, 1] - 2.0), 0.5)

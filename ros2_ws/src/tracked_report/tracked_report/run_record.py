@@ -13,9 +13,8 @@ from pydantic import Field, ValidationError
 
 from tracked_report.channel import Channel
 from tracked_report.channels import CHANNELS
-from tracked_report.scene import Outline
 from tracked_report.whole_file import write_whole
-from tracked_types import Pose2
+from tracked_types import Outline, Pose2
 from tracked_types.checked_yaml import CheckedModel, explain
 
 FORMAT = 1
@@ -51,6 +50,7 @@ class RunMeta(CheckedModel):
     scenario: str
     variant: str = "run"
     description: str = ""
+    variant_description: str = ""
     seed: int | None = None
     created: str = ""
     commit: str = ""

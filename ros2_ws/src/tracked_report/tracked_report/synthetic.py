@@ -11,8 +11,7 @@ from tracked_report.channel import Array
 from tracked_report.machine import describe_machine, package_versions
 from tracked_report.run_record import CommandLimits, RunMeta, RunRecord
 from tracked_report.run_recorder import RunRecorder
-from tracked_report.scene import Outline
-from tracked_types import NANOSECONDS_PER_SECOND, PeriodGrid, Trajectory, wrap_angle
+from tracked_types import NANOSECONDS_PER_SECOND, Outline, PeriodGrid, Trajectory, wrap_angle
 
 _SPEED_MPS = 0.3
 _STEP_X_M = (2.0, 2.6)

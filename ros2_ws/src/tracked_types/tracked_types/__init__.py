@@ -11,6 +11,7 @@ from tracked_types.command import VelocityCommand
 from tracked_types.goal import GoalReached
 from tracked_types.imu import ImuSample
 from tracked_types.odometry import Odometry
+from tracked_types.outline import Outline, OutlineKind
 from tracked_types.period_grid import PeriodGrid
 from tracked_types.pose import Pose2
 from tracked_types.scan import LaserScan
@@ -29,6 +30,8 @@ __all__ = [
     "ImuSample",
     "LaserScan",
     "Odometry",
+    "Outline",
+    "OutlineKind",
     "PeriodGrid",
     "Pose2",
     "Slip",

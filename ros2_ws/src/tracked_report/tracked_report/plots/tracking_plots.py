@@ -28,7 +28,6 @@ _KIND_COLOURS = {
     "wall": "#52606d",
     "obstacle": "#9aa5b1",
     "movable": "#d6c6e8",
-    "goal": "#cfe8d5",
     **GROUND_COLOURS,
 }
 

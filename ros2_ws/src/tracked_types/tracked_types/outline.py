@@ -1,19 +1,18 @@
-"""Plain shapes of a world seen from above, enough to draw it."""
+"""Shapes on the floor, seen from above."""
 
 import math
+from dataclasses import dataclass
 from typing import Literal
 
-from tracked_types.checked_yaml import CheckedModel
-
-Kind = Literal["wall", "obstacle", "step", "ramp", "friction", "movable", "goal"]
-Point = tuple[float, float]
+OutlineKind = Literal["wall", "obstacle", "step", "ramp", "friction", "movable"]
 
 
-class Outline(CheckedModel):
-    """Closed polygon on the floor, corners in the world frame (m)."""
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """Closed polygon on the floor: corners (m) in the world frame, what it is, and its height (m)."""
 
-    points: tuple[Point, ...]
-    kind: Kind = "obstacle"
+    points: tuple[tuple[float, float], ...]
+    kind: OutlineKind = "obstacle"
     label: str = ""
     height_m: float = 0.0
 
@@ -26,7 +25,7 @@ class Outline(CheckedModel):
         width_m: float,
         *,
         yaw_rad: float = 0.0,
-        kind: Kind = "obstacle",
+        kind: OutlineKind = "obstacle",
         label: str = "",
         height_m: float = 0.0,
     ) -> "Outline":
@@ -34,7 +33,7 @@ class Outline(CheckedModel):
         cosine, sine = math.cos(yaw_rad), math.sin(yaw_rad)
         corners = [(sx * length_m / 2.0, sy * width_m / 2.0) for sx, sy in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
         points = tuple((x_m + cosine * u - sine * v, y_m + sine * u + cosine * v) for u, v in corners)
-        return cls(points=points, kind=kind, label=label, height_m=height_m)
+        return cls(points, kind, label, height_m)
 
     @classmethod
     def circle(
@@ -43,11 +42,11 @@ class Outline(CheckedModel):
         y_m: float,
         radius_m: float,
         *,
-        kind: Kind = "obstacle",
+        kind: OutlineKind = "obstacle",
         label: str = "",
         height_m: float = 0.0,
     ) -> "Outline":
         """Circle, as a polygon of 36 corners."""
         angles = [math.tau * index / 36.0 for index in range(36)]
         points = tuple((x_m + radius_m * math.cos(a), y_m + radius_m * math.sin(a)) for a in angles)
-        return cls(points=points, kind=kind, label=label, height_m=height_m)
+        return cls(points, kind, label, height_m)

@@ -1,0 +1,40 @@
+"""What a record says of its run, from its scenario and from where it runs."""
+
+from collections.abc import Iterable
+from datetime import UTC, datetime
+
+from tracked_report.machine import describe_machine, git_commit, package_versions
+from tracked_report.run_record import CommandLimits, RunMeta
+from tracked_report.scenario import Scenario
+from tracked_types import Outline
+
+
+def describe_run(
+    scenario: Scenario, variant: str, *, limits: CommandLimits, suspension: str, scene: Iterable[Outline] = ()
+) -> RunMeta:
+    """Everything known before the run: scenario, machine, versions, commit, time of day.
+
+    ``suspension`` is the robot's own, which holds where the scenario says nothing. What only the run can tell
+    (``odom_in_world``, ``wall_duration_s``) is for the caller to add with ``model_copy(update=...)``.
+
+    Raises
+    ------
+    KeyError: for an unknown variant.
+    """
+    return RunMeta(
+        scenario=scenario.name,
+        variant=variant,
+        description=scenario.description,
+        variant_description=scenario.variants[variant].description,
+        seed=scenario.seed,
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        commit=git_commit(),
+        world=scenario.world,
+        time=scenario.time,
+        suspension=scenario.suspension_of(variant) or suspension,
+        pipeline_latency_s=scenario.pipeline_latency_s,
+        limits=limits,
+        scene=tuple(scene),
+        machine=describe_machine(),
+        versions=package_versions(),
+    )
