@@ -12,13 +12,14 @@ from rclpy.qos import QoSProfile
 from rclpy.service import Service
 from rclpy.timer import Timer
 
+from node_kit.common_parameters import COMMON_PARAMETERS
 from node_kit.diagnostics import Level
 from node_kit.diagnostics_publisher import DiagnosticsPublisher
 from node_kit.endpoints import TypedPublisher, TypedSubscription, Value
 from node_kit.failures import CallbackFailures
 from node_kit.input_monitor import InputMonitor
 from node_kit.node_parameters import NodeParameters, value_or_ros
-from node_kit.parameter import BadParameterError, Parameter
+from node_kit.parameter import BadParameterError
 from node_kit.parameter_table import ParameterTable
 from node_kit.services import answering
 from tracked_types.setting import settings_of
@@ -26,9 +27,6 @@ from tracked_types.setting import settings_of
 if TYPE_CHECKING:
     from node_kit.transforms import TransformBroadcaster
 
-COMMON_PARAMETERS = ParameterTable(
-    Parameter("frame_prefix", "", 'Prefix of all frame names, such as "robot1/" where several robots share tf.')
-)
 _FRAME_PREFIX = re.compile(r"([A-Za-z_][A-Za-z0-9_]*/?)*")
 
 

@@ -21,7 +21,6 @@ from rclpy.utilities import remove_ros_args
 from node_kit.docs import render_nodes
 from node_kit.failures import debugging
 from node_kit.node import StackNode
-from tracked_types.checked_yaml import CheckedFileError
 
 OK, FAILED, BAD_PARAMETERS = 0, 1, 2
 _LONGEST_WAIT_S = 0.1
@@ -87,18 +86,10 @@ def run(*node_classes: type[StackNode], args: Sequence[str] | None = None) -> in
     nodes: list[StackNode] = []
     with stop.handled():
         try:
-            rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-        except Exception as error:
-            return _refuse(name, " ".join(str(error).split()))
-        try:
-            executor = make_executor(kind)
-            code = _start(node_classes, nodes, executor)
-            stop.started()
-            if code == OK:
-                code = _spin(executor, nodes, stop)
+            code = _serve(node_classes, nodes, arguments, kind, stop)
         except _StopWhileStarting:
             code = OK
-        except BaseException:
+        except Exception:
             traceback.print_exc()
             code = FAILED
         stop.ignore()
@@ -135,6 +126,24 @@ def _refuse(name: str, sentence: str) -> int:
     return BAD_PARAMETERS
 
 
+def _serve(
+    node_classes: Sequence[type[StackNode]],
+    nodes: list[StackNode],
+    arguments: list[str],
+    kind: str,
+    stop: StopSignals,
+) -> int:
+    """Make the nodes, which ``nodes`` then holds, and spin them."""
+    try:
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    except Exception as error:
+        return _refuse(" ".join(node_class.NAME for node_class in node_classes), " ".join(str(error).split()))
+    executor = make_executor(kind)
+    code = _start(node_classes, nodes, executor)
+    stop.started()
+    return _spin(executor, nodes, stop) if code == OK else code
+
+
 def _start(node_classes: Sequence[type[StackNode]], nodes: list[StackNode], executor: Any) -> int:
     """Make every node; on failure say why in one line."""
     for node_class in node_classes:
@@ -144,11 +153,18 @@ def _start(node_classes: Sequence[type[StackNode]], nodes: list[StackNode], exec
             if debugging():
                 traceback.print_exc()
             get_logger(node_class.NAME).fatal(f"cannot start: {_explain(error)}")
-            is_setting = isinstance(error, ValueError) and not isinstance(error, CheckedFileError)
-            return BAD_PARAMETERS if is_setting else FAILED
+            return _exit_code(error)
         nodes.append(node)
         executor.add_node(node)
     return OK
+
+
+def _exit_code(error: Exception) -> int:
+    """A setting that its class refuses is a bad parameter; a file that cannot be used is not."""
+    from tracked_types.checked_yaml import CheckedFileError  # slow to import, and seldom needed
+
+    is_setting = isinstance(error, ValueError) and not isinstance(error, CheckedFileError)
+    return BAD_PARAMETERS if is_setting else FAILED
 
 
 def _explain(error: Exception) -> str:
