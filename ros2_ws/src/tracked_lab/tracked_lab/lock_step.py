@@ -4,13 +4,16 @@ from collections.abc import Callable
 
 from sim_bridge.command_intake import CommandRefused
 from sim_bridge.faults import Fault, kind_called, sensor_called
+from sim_bridge.floor_plan import floor_plan
 from sim_bridge.sensor_suite import SensorBatch
 from sim_bridge.simulator import Simulator
+from sim_bridge.world import load_world
 from tracked_description import Robot, load_robot
 from tracked_lab.simulation import make_simulator
 from tracked_lab.stack import Reaction, Stack
+from tracked_report.describe_run import describe_run
 from tracked_report.node_parameters import node_parameters
-from tracked_report.run_record import CommandLimits, RunMeta, RunRecord
+from tracked_report.run_record import CommandLimits, RunRecord
 from tracked_report.run_recorder import RunRecorder
 from tracked_report.scenario import Fault as PlannedFault
 from tracked_report.scenario import Scenario
@@ -47,25 +50,16 @@ def drive(
                 progress(now_s)
     finally:
         simulator.close()
-    start = simulator.start
-    return recorder.record(
-        RunMeta(
-            scenario=scenario.name,
-            variant=variant,
-            description=scenario.variants[variant].description,
-            seed=scenario.seed,
-            world=scenario.world,
-            time="lock_step",
-            suspension=scenario.suspension_of(variant) or robot.suspension.kind,
-            pipeline_latency_s=scenario.pipeline_latency_s,
-            odom_in_world=(start.x_m, start.y_m, start.yaw_rad),
-            limits=CommandLimits(
-                speed_min_mps=robot.limits.speed_min_mps,
-                speed_max_mps=robot.limits.speed_max_mps,
-                yaw_rate_max_radps=robot.limits.yaw_rate_max_radps,
-            ),
-        )
+    limits = CommandLimits(
+        speed_min_mps=robot.limits.speed_min_mps,
+        speed_max_mps=robot.limits.speed_max_mps,
+        yaw_rate_max_radps=robot.limits.yaw_rate_max_radps,
     )
+    scene = floor_plan(load_world(scenario.world))
+    meta = describe_run(scenario, variant, limits=limits, suspension=robot.suspension.kind, scene=scene)
+    start = simulator.start
+    odom_in_world = (start.x_m, start.y_m, start.yaw_rad)
+    return recorder.record(meta.model_copy(update={"time": "lock_step", "odom_in_world": odom_in_world}))
 
 
 def _fault(planned: PlannedFault) -> Fault:
