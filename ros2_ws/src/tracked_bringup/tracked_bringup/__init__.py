@@ -1,0 +1,1 @@
+"""Starts, watches, records and ends the graph of nodes that a scenario needs."""

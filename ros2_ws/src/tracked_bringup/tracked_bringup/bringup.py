@@ -1,0 +1,236 @@
+"""``bringup SCENARIO [key:=value ...]``: runs every variant of a scenario in a graph of its own, then reports."""
+
+import argparse
+import os
+import re
+import shutil
+import signal
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+from ament_index_python.packages import get_package_prefix
+
+from tracked_bringup.console import Console
+from tracked_bringup.graph_plan import GROUPINGS, Grouping, plan_graph
+from tracked_bringup.live_state import LiveState
+from tracked_bringup.node_table import NodeTable, load_node_table
+from tracked_bringup.run_meta import run_meta
+from tracked_bringup.scenarios import ArgumentError, load_scenario, scenario_names, split_change
+from tracked_bringup.supervisor import GraphFailedError, StopRequest, Supervisor, child_environment
+from tracked_bringup.variant_run import ExitCode, RunEndedError, RunSettings, VariantRun
+from tracked_report.publish import publish_runs
+from tracked_report.results import output_folder
+from tracked_report.run_record import RunRecord, RunRecordError
+from tracked_report.scenario import Scenario
+from tracked_report.whole_file import write_whole
+from tracked_types.checked_yaml import CheckedFileError
+
+_LARGEST_DOMAIN = 101  # above, the ports of a domain reach into those that Linux gives out freely
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    made = argparse.ArgumentParser(
+        prog="bringup",
+        description="Runs every variant of a scenario in a graph of its own, then writes the report.",
+        epilog=f"packaged scenarios: {', '.join(scenario_names())}. Exit code: 0 done; 1 a node failed; 2 bad "
+        "arguments; 3 endpoints not matched; 4 time stood still; 5 no report; 130 interrupted.",
+    )
+    made.add_argument("scenario", help="name of a packaged scenario, or path of a .yaml file")
+    made.add_argument(
+        "changes",
+        nargs="*",
+        metavar="key:=value",
+        help="changes a key of the scenario (duration_s:=10, reference.shape:=circle) or a parameter of a node "
+        "(upper_nmpc.method:=thesis); namespace:=r1 puts all nodes and frames below r1",
+    )
+    made.add_argument("--grouping", choices=GROUPINGS, default="default", help="nodes by group, or one process each")
+    made.add_argument("--variant", action="append", help="run only this variant (may be repeated)")
+    made.add_argument("--name", help="folder below out/ for records, logs and report (default: the scenario's name)")
+    made.add_argument("--nodes", type=Path, help="another node table")
+    made.add_argument("--verbose", action="store_true", help="show every line of the nodes, not only warnings")
+    return made
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    """What is asked besides the scenario."""
+
+    grouping: Grouping = "default"
+    namespace: str = ""
+    variants: tuple[str, ...] = ()
+    name: str = ""
+    verbose: bool = False
+
+
+class Bringup:
+    """Runs the variants of one scenario one after the other."""
+
+    def __init__(self, scenario: Scenario, table: NodeTable, options: Options, console: Console) -> None:
+        self.stop = StopRequest()
+        self._scenario = scenario
+        self._table = table
+        self._options = options
+        self._console = console
+        self._name = options.name or scenario.name
+        self._folder = output_folder() / self._name
+        self._records: dict[str, Path] = {}
+
+    def run(self) -> ExitCode:
+        """Everything; what went wrong is said on the console."""
+        first_domain = int(os.environ.get("ROS_DOMAIN_ID") or 0)
+        for index, variant in enumerate(self._options.variants or tuple(self._scenario.variants)):
+            domain = (first_domain + index) % (_LARGEST_DOMAIN + 1)
+            try:
+                self._run_variant(variant, domain)
+            except RunEndedError as error:
+                self._console.say(f"{variant}: {error}", "red")
+                self._console.say(f"logs: {self._logs(variant)}")
+                return error.code
+        return self._report()
+
+    def _logs(self, variant: str) -> Path:
+        return self._folder / "logs" / variant
+
+    def _run_variant(self, variant: str, domain: int) -> None:
+        # Here, so that --help and errors in arguments do not wait for rclpy.
+        from tracked_bringup.graph_monitor import GraphMonitor
+
+        scenario, options, logs = self._scenario, self._options, self._logs(variant)
+        record = self._folder / f"{variant}.npz"
+        shutil.rmtree(logs, ignore_errors=True)
+        record.unlink(missing_ok=True)
+        write_whole(logs / "meta.json", run_meta(scenario, variant).model_dump_json(indent=2))
+        plan = plan_graph(
+            self._table,
+            scenario,
+            variant,
+            grouping=options.grouping,
+            namespace=options.namespace,
+            extra={"recorder": {"record_file": str(record), "meta_file": str(logs / "meta.json")}},
+        )
+        supervisor = Supervisor(
+            plan,
+            locate=locate_executable,
+            logs=logs,
+            environment=child_environment(domain, logs),
+            say=self._console.say,
+            verbose=options.verbose,
+        )
+        settings = RunSettings(
+            label=variant,
+            duration_s=scenario.duration_s,
+            open_ended=scenario.reference is None,
+            faults=scenario.faults,
+        )
+        started_s = time.monotonic()
+        monitor = GraphMonitor(plan, domain)
+        try:
+            state = VariantRun(plan, supervisor, monitor, settings, self._console, self.stop).run()
+        finally:
+            monitor.close()
+        self._console.say(f"{variant}: {_outcome(state)}, in {time.monotonic() - started_s:.0f} s")
+        if plan.has("recorder"):
+            self._records[variant] = record
+
+    def _report(self) -> ExitCode:
+        if not self._records or self._scenario.reference is None:
+            return ExitCode.DONE
+        self._console.status("writing the report")
+        try:
+            runs = {variant: RunRecord.load(path) for variant, path in self._records.items()}
+            baseline = self._scenario.baseline_name
+            published = publish_runs(self._name, runs, baseline=baseline if baseline in runs else None)
+        except (RunRecordError, OSError, ValueError) as error:
+            self._console.status("")
+            self._console.say(f"no report: {error}", "red")
+            return ExitCode.NO_REPORT
+        self._console.status("")
+        self._console.say(published.summary)
+        self._console.say(f"report:  {published.report}")
+        self._console.say(f"metrics: {published.metrics}")
+        return ExitCode.DONE
+
+
+def locate_executable(package: str, executable: str) -> str:
+    """Path of an installed executable, as ``ros2 run`` finds it.
+
+    Raises
+    ------
+    GraphFailedError: if the package or the executable is not installed.
+    """
+    try:
+        path = Path(get_package_prefix(package)) / "lib" / package / executable
+    except (LookupError, OSError) as error:
+        raise GraphFailedError(f"package {package} is not installed; run `make setup`") from error
+    if not os.access(path, os.X_OK):
+        raise GraphFailedError(f"package {package} has no executable {executable}; run `make setup`")
+    return str(path)
+
+
+def split_options(arguments: argparse.Namespace) -> tuple[Options, list[str]]:
+    """Options, and the changes that concern the scenario.
+
+    Raises
+    ------
+    ArgumentError: if the namespace is no ROS name.
+    """
+    namespace, changes = "", []
+    for change in arguments.changes:
+        key, value = split_change(change)
+        if key == "namespace":
+            namespace = str(value).strip("/")
+        else:
+            changes.append(change)
+    if namespace and not re.fullmatch(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", namespace):
+        raise ArgumentError(f"namespace: {namespace!r} is no ROS name")
+    options = Options(
+        grouping=arguments.grouping,
+        namespace=namespace,
+        variants=tuple(arguments.variant or ()),
+        name=arguments.name or "",
+        verbose=arguments.verbose,
+    )
+    return options, changes
+
+
+def _outcome(state: LiveState) -> str:
+    if state.goal is None:
+        return f"{state.time_s:.1f} s simulated"
+    error_mm = 1000.0 * state.goal.position_error_m
+    return f"goal reached at {state.goal.stamp_ns * 1e-9:.1f} s, {error_mm:.0f} mm off by its odometry"
+
+
+def main() -> int:
+    """Run the bringup; the exit code of the process."""
+    arguments = parser().parse_args()
+    console = Console(sys.stdout)
+    try:
+        options, changes = split_options(arguments)
+        table = load_node_table(arguments.nodes)
+        scenario = load_scenario(arguments.scenario, changes, table)
+        unknown = [name for name in options.variants if name not in scenario.variants]
+        if unknown:
+            raise ArgumentError(f"no variant {unknown[0]!r}; there are {', '.join(scenario.variants)}")
+    except (ArgumentError, CheckedFileError) as error:
+        print(f"bringup: {error}", file=sys.stderr)
+        return ExitCode.BAD_ARGUMENTS
+    bringup = Bringup(scenario, table, options, console)
+
+    def on_signal(_number: int, _frame: FrameType | None) -> None:
+        bringup.stop.set()
+
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, on_signal)
+    try:
+        return bringup.run()
+    except OSError as error:
+        print(f"bringup: {error}", file=sys.stderr)
+        return ExitCode.NODE_FAILED
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,134 @@
+"""Which processes a variant of a scenario consists of, and with which parameters."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import yaml
+
+from tracked_bringup.node_table import NodeEntry, NodeTable, Value
+from tracked_report.node_parameters import node_parameters
+from tracked_report.scenario import Scenario
+
+Grouping = Literal["default", "separate"]
+# Time stands still until every endpoint is matched, so that no first sample is lost.
+_GRAPH_ONLY: dict[str, dict[str, Value]] = {"sim_bridge": {"start_paused": True}}
+GROUPINGS: tuple[Grouping, ...] = ("default", "separate")
+
+
+@dataclass(frozen=True, slots=True)
+class NodePlan:
+    """One node of a run: its row of the table and all parameters that differ from its defaults."""
+
+    name: str
+    entry: NodeEntry
+    parameters: Mapping[str, Value]
+
+
+@dataclass(frozen=True, slots=True)
+class ProcessPlan:
+    """Nodes that share a process, named after their group, or after the node where it is alone."""
+
+    name: str
+    nodes: tuple[NodePlan, ...]
+
+    @property
+    def order(self) -> int:
+        """Processes of a lower order are up before this one is started."""
+        return max(node.entry.order for node in self.nodes)
+
+    @property
+    def on_exit(self) -> Literal["stop", "restart", "ignore"]:
+        """The strictest policy of its nodes."""
+        policies = {node.entry.on_exit for node in self.nodes}
+        return "stop" if "stop" in policies else "restart" if "restart" in policies else "ignore"
+
+    @property
+    def restarts(self) -> int:
+        """How often it may be started again: as often as its most delicate node."""
+        return min(node.entry.restarts for node in self.nodes)
+
+
+@dataclass(frozen=True, slots=True)
+class GraphPlan:
+    """Every process of one run, in the order of starting. ``namespace``: without slashes at its ends, may be empty."""
+
+    processes: tuple[ProcessPlan, ...]
+    namespace: str = ""
+
+    @property
+    def nodes(self) -> tuple[NodePlan, ...]:
+        """All nodes."""
+        return tuple(node for process in self.processes for node in process.nodes)
+
+    def has(self, node: str) -> bool:
+        """Whether a node of this name takes part."""
+        return any(planned.name == node for planned in self.nodes)
+
+    def full_name(self, relative: str) -> str:
+        """A relative topic, service or node name within the namespace."""
+        return f"/{self.namespace}/{relative}" if self.namespace else f"/{relative}"
+
+    def parameter_file(self, process: ProcessPlan) -> str:
+        """Parameters of one process as a ROS parameter file."""
+        content = {
+            self.full_name(node.name): {"ros__parameters": dict(node.parameters)}
+            for node in process.nodes
+            if node.parameters
+        }
+        return yaml.safe_dump(content, sort_keys=False)
+
+    def ros_arguments(self, parameter_file: Path) -> list[str]:
+        """What follows ``--ros-args`` for every process."""
+        arguments = ["--params-file", str(parameter_file)]
+        if self.namespace:
+            arguments += ["-r", f"__ns:=/{self.namespace}", "-r", f"/clock:=/{self.namespace}/clock"]
+        return arguments
+
+
+def plan_graph(
+    table: NodeTable,
+    scenario: Scenario,
+    variant: str,
+    *,
+    grouping: Grouping = "default",
+    namespace: str = "",
+    extra: Mapping[str, Mapping[str, Value]] | None = None,
+) -> GraphPlan:
+    """The graph of one variant of a scenario.
+
+    A namespace also becomes the prefix of all frames, so that several robots share one domain. ``extra``
+    are parameters (node -> parameter -> value) that come last.
+
+    Raises
+    ------
+    KeyError: for an unknown variant.
+    """
+    namespace = namespace.strip("/")
+    names = [name for name in table.nodes if _takes_part(name, scenario, variant)]
+    common: dict[str, Value] = {"use_sim_time": True} if "sim_bridge" in names else {}
+    if namespace:
+        common["frame_prefix"] = f"{namespace}/"
+    layers: list[Mapping[str, Mapping[str, Value]]] = [
+        {name: {**common, **table.nodes[name].parameters} for name in names},
+        _GRAPH_ONLY if "sim_bridge" in names else {},
+        {"command_arbiter": {"lock_step": scenario.time == "lock_step"}},
+        node_parameters(scenario, variant),
+        extra or {},
+    ]
+    by_process: dict[str, list[NodePlan]] = {}
+    for name in names:
+        parameters = {key: value for layer in layers for key, value in layer.get(name, {}).items()}
+        node = NodePlan(name, table.nodes[name], parameters)
+        by_process.setdefault(name if grouping == "separate" else node.entry.group, []).append(node)
+    processes = [ProcessPlan(name, tuple(members)) for name, members in by_process.items()]
+    return GraphPlan(tuple(sorted(processes, key=lambda process: process.order)), namespace)
+
+
+def _takes_part(node: str, scenario: Scenario, variant: str) -> bool:
+    if node in scenario.nodes:
+        return scenario.nodes[node]
+    if node == "lower_nmpc":
+        return scenario.reference is not None and scenario.variants[variant].layers == "double"
+    return scenario.reference is not None or node not in ("trajectory_player", "upper_nmpc")

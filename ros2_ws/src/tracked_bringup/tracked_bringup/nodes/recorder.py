@@ -1,0 +1,154 @@
+"""Node recorder: keeps what happens on the topics, and writes it as one record when it is stopped."""
+
+import math
+import sys
+import time
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from geometry_msgs.msg import AccelStamped, TwistStamped
+from nav_msgs.msg import Odometry as OdometryMessage
+from sensor_msgs.msg import JointState
+from tracked_interfaces.msg import GoalReached as GoalMessage
+from tracked_interfaces.msg import SafetyState as SafetyMessage
+from tracked_interfaces.msg import SlipEstimate as SlipMessage
+from tracked_interfaces.msg import SolverStatus as StatusMessage
+from tracked_interfaces.msg import Trajectory as TrajectoryMessage
+
+from node_kit import Parameter, ParameterTable, StackNode, qos, run
+from node_kit.conversions import (
+    body_state_from_message,
+    command_from_message,
+    goal_reached_from_message,
+    odometry_from_message,
+    slip_from_message,
+    solver_status_from_message,
+    stamp_from_message,
+    tracks_from_message,
+    trajectory_from_message,
+    vertical_acceleration_from_message,
+)
+from tracked_bringup.odom_origin import OdomOrigin
+from tracked_description import ROBOT_FILE, load_robot
+from tracked_report.run_record import RunMeta
+from tracked_report.run_recorder import RunRecorder
+from tracked_types import BodyState, Odometry
+
+PARAMETERS = ParameterTable(
+    Parameter("record_file", "record.npz", "file that the record is written to when the node is stopped"),
+    Parameter("meta_file", "", "JSON file of what the record says of its run; empty: a record without origin"),
+    Parameter(*ROBOT_FILE),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _SafetyChange:
+    """The text of a safety/state message."""
+
+    stamp_ns: int
+    text: str
+
+
+class RecorderNode(StackNode):
+    """Subscribes the topics of `tracked_report.channels.CHANNELS`; publishes nothing but diagnostics."""
+
+    NAME = "recorder"
+    PARAMETERS = PARAMETERS
+
+    def __init__(self) -> None:
+        super().__init__()
+        meta_file = self.value("meta_file")
+        self.meta = (
+            RunMeta.model_validate_json(Path(meta_file).read_text()) if meta_file else RunMeta(scenario="record")
+        )
+        self.record_file = Path(self.value("record_file"))
+        self.recorder = RunRecorder()
+        self.origin = OdomOrigin()
+        self.started_s = self.newest_s = math.nan
+        radius_m = load_robot(self.value("robot_file")).tracks.wheel_radius_m
+        tracks = partial(tracks_from_message, wheel_radius_m=radius_m)
+        self._keep(JointState, "joint_states", tracks, "tracks", qos.SENSOR)
+        self._keep(SlipMessage, "slip", slip_from_message, "slip")
+        self._keep(SlipMessage, "ground_truth/slip", slip_from_message, "truth_slip")
+        self._keep(TrajectoryMessage, "reference_trajectory", trajectory_from_message, "reference")
+        self._keep(TrajectoryMessage, "upper_nmpc/trajectory", trajectory_from_message, "upper_plan")
+        self._keep(TwistStamped, "cmd_vel_nav", command_from_message, "cmd_vel_nav", qos.COMMAND)
+        self._keep(TwistStamped, "cmd_vel", command_from_message, "cmd_vel", qos.COMMAND)
+        self._keep(StatusMessage, "upper_nmpc/status", solver_status_from_message, "upper_status")
+        self._keep(StatusMessage, "lower_nmpc/status", solver_status_from_message, "lower_status")
+        self._keep(GoalMessage, "goal_reached", goal_reached_from_message, "goal_reached", qos.LATCHED)
+        self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.on_odometry, qos.STATE)
+        self.subscribe_typed(OdometryMessage, "ground_truth/odom", body_state_from_message, self.on_truth, qos.STATE)
+        self.subscribe_typed(
+            AccelStamped, "ground_truth/acceleration", self._acceleration, self.on_acceleration, qos.STATE
+        )
+        self.subscribe_typed(SafetyMessage, "safety/state", self._safety_change, self.on_safety, qos.LATCHED)
+
+    def on_odometry(self, odometry: Odometry) -> None:
+        """The estimate."""
+        self.origin.add_odometry(odometry)
+        self._add("odometry", odometry)
+
+    def on_truth(self, state: BodyState) -> None:
+        """Pose and twist of the truth; its acceleration comes on a topic of its own."""
+        self.origin.add_truth(state.stamp_ns, state.pose)
+        self._add("truth", state)
+
+    def on_acceleration(self, sample: tuple[int, float]) -> None:
+        """True vertical acceleration."""
+        stamp_ns, vertical_mps2 = sample
+        self.recorder.add_row("acceleration", stamp_ns, (vertical_mps2,), arrival_s=time.monotonic())
+
+    def on_safety(self, change: _SafetyChange) -> None:
+        """What the arbiter does is an event."""
+        self.recorder.add_event(change.stamp_ns, "command_arbiter", change.text)
+
+    def safe_stop(self) -> None:
+        """Write the record."""
+        origin = self.origin.pose
+        changes: dict[str, Any] = {}
+        if origin is not None:
+            changes["odom_in_world"] = (origin.x_m, origin.y_m, origin.yaw_rad)
+        if math.isfinite(self.started_s):
+            changes["wall_duration_s"] = self.newest_s - self.started_s
+        record = self.recorder.record(self.meta.model_copy(update=changes))
+        record.save(self.record_file)
+        rows = sum(len(channel) for channel in record.channels.values())
+        self.get_logger().info(f"{self.record_file}: {rows} rows in {len(record.channels)} channels")
+
+    def _keep(self, kind: type, topic: str, convert: Any, channel: str, profile: Any = qos.STATE) -> None:
+        self.subscribe_typed(kind, topic, convert, partial(self._add, channel), profile)
+
+    def _add(self, channel: str, value: Any) -> None:
+        self.newest_s = time.monotonic()
+        if math.isnan(self.started_s):
+            self.started_s = self.newest_s
+        self.recorder.add(channel, value, self.newest_s)
+
+    @staticmethod
+    def _acceleration(message: AccelStamped) -> tuple[int, float]:
+        return stamp_from_message(message.header.stamp), vertical_acceleration_from_message(message)
+
+    @staticmethod
+    def _safety_change(message: SafetyMessage) -> _SafetyChange:
+        names = {code: name.lower().replace("_", " ") for name, code in _SAFETY_CODES.items()}
+        text = " ".join(part for part in (names.get(message.state, "?"), message.source) if part)
+        return _SafetyChange(
+            stamp_from_message(message.header.stamp), f"{text}: {message.reason}" if message.reason else text
+        )
+
+
+_SAFETY_CODES = {
+    name: getattr(SafetyMessage, name) for name in ("FORWARDING", "IDLE", "STOPPING", "STOPPED", "EMERGENCY_STOP")
+}
+
+
+def main() -> int:
+    """Run the node; the exit code of the process."""
+    return run(RecorderNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
