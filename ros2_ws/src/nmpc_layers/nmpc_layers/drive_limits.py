@@ -60,6 +60,13 @@ class DriveLimits:
             yaw_acceleration_radps2=self.yaw_acceleration_radps2,
         )
 
+    def clipped(self, twist: Twist2) -> Twist2:
+        """The nearest twist in the box of speed and yaw rate."""
+        return Twist2(
+            min(max(twist.speed_mps, self.speed_min_mps), self.speed_max_mps),
+            min(max(twist.yaw_rate_radps, -self.yaw_rate_max_radps), self.yaw_rate_max_radps),
+        )
+
     def braked(self, twist: Twist2, duration_s: float) -> Twist2:
         """``twist`` after braking for ``duration_s`` as hard as the limits allow; never beyond standstill."""
         return Twist2(

@@ -191,7 +191,7 @@ class UpperLayer:
         horizon_s = self.settings.horizon * self.settings.period_s
         times = np.arange(0.0, horizon_s + 0.025, 0.05)
         hold_s = self.settings.hold_s + self.settings.pipeline_latency_s
-        pose, twist = odometry.pose, odometry.twist
+        pose, twist = odometry.pose, self.settings.limits.clipped(odometry.twist)
         return stopping(odometry.stamp_ns, odometry.frame_id, times, pose, twist, self.settings.limits, hold_s)
 
     def _hold(self, odometry: Odometry, trajectory: Trajectory, twist: Twist2 | None) -> None:

@@ -1,5 +1,6 @@
 """Solver of the problem with track-speed and rate limits on the commands (erratum 5.2.5)."""
 
+import math
 from dataclasses import dataclass
 
 import daqp
@@ -104,14 +105,14 @@ class TrackSolver:
         commands[:] = self._guess
         self._buffer.call()
         cost, feasible = result["cost"].item(), self._is_feasible(commands.ravel(), low, high)
+        if not cost < math.inf:
+            return self._failure(Outcome.NON_FINITE, 0)
         model, outcome, iterations = None, Outcome.ITERATION_LIMIT, 0
         while iterations < self._iteration_limit:
             iterations += 1
             current = commands.ravel().copy()
             hessian = result["hessian"]
             linear = result["gradient"][0] - hessian @ current
-            if not np.isfinite(linear).all():
-                return self._failure(Outcome.NON_FINITE, iterations)
             if model is None:
                 model = daqp.Model()
                 model.settings = {"primal_tol": FEASIBILITY_TOLERANCE}
