@@ -19,7 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from node_kit.docs import render_nodes
-from node_kit.failures import debugging
+from node_kit.failures import callback_name, debugging
 from node_kit.node import StackNode
 
 OK, FAILED, BAD_PARAMETERS = 0, 1, 2
@@ -184,18 +184,27 @@ def _spin(executor: Any, nodes: Sequence[StackNode], stop: StopSignals) -> int:
     """
     workers = [node for node in nodes if type(node).idle_work is not StackNode.idle_work]
     while rclpy.ok() and not stop.requested:
+        wait_s = min([_LONGEST_WAIT_S, *map(_idle, workers)])
         try:
-            wait_s = min([_LONGEST_WAIT_S, *(worker.idle_work() for worker in workers)])
             executor.spin_once(timeout_sec=max(0.0, wait_s))
         except Exception as error:
             if not rclpy.ok():  # the context went away between two waits
                 break
-            # Callbacks made by `StackNode` never get here; those of rclpy itself and idle_work can.
+            # Callbacks made by `StackNode` never get here; those of rclpy itself can.
             nodes[0].note_failure("spin", error)
         for node in nodes:
             if node.exit_code is not None:
                 return node.exit_code
     return OK
+
+
+def _idle(worker: StackNode) -> float:
+    """Let a node do its idle work; how long it can wait for the next."""
+    try:
+        return worker.idle_work()
+    except Exception as error:
+        worker.note_failure(callback_name(worker.idle_work), error)
+        return _LONGEST_WAIT_S
 
 
 def _finish(nodes: Sequence[StackNode]) -> None:

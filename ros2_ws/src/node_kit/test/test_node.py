@@ -9,6 +9,7 @@ from geometry_msgs.msg import TwistStamped
 from rcl_interfaces.msg import ParameterType
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
@@ -19,11 +20,18 @@ from node_kit import (
     Parameter,
     ParameterTable,
     RejectedMessage,
+    RigidTransform,
     StackNode,
     TransformListener,
     qos,
 )
-from node_kit.conversions import command_from_message, command_to_message, imu_from_message, imu_to_message
+from node_kit.conversions import (
+    clock_to_message,
+    command_from_message,
+    command_to_message,
+    imu_from_message,
+    imu_to_message,
+)
 from tracked_types import Twist2, VelocityCommand
 from tracked_types.setting import check_settings, setting
 
@@ -341,3 +349,16 @@ def test_malformed_transform_is_rejected(graph):
     graph.spin_until(lambda: "watcher: inputs" in newest, "a report")
     assert "not finite: translation.x" in newest["watcher: inputs"].message
     assert known(watcher.listener.buffer, "odom", "base") is None
+
+
+def test_listener_forgets_motion_when_simulated_time_jumps_back(graph):
+    watcher = graph.add(Watcher, "-p", "use_sim_time:=true")
+    watcher.listener.buffer.add_static("base", "laser", RigidTransform.identity())
+    watcher.listener.buffer.add("odom", "base", RigidTransform.identity(), 100 * 10**9)
+    publisher = graph.plain("simulator").create_publisher(Clock, "/clock", 10)
+    graph.spin_until(publisher.get_subscription_count, "the watcher's clock")
+    for seconds in (100, 1):
+        publisher.publish(clock_to_message(seconds * 10**9))
+        graph.spin_until(lambda s=seconds: watcher.get_clock().now().nanoseconds == s * 10**9, "the time")
+    assert known(watcher.listener.buffer, "odom", "base") is None
+    assert known(watcher.listener.buffer, "base", "laser") is not None

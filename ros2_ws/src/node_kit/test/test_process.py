@@ -189,6 +189,21 @@ sys.exit(run(Busy))
     assert output == "driver drives\ndriver stopped\n"
 
 
+def test_idle_work_that_fails_is_named_and_leaves_the_callbacks_running():
+    script = """
+class Broken(Driver):
+    def idle_work(self):
+        raise KeyError("lost")
+sys.exit(run(Broken))
+"""
+    with started(script) as process:
+        wait_for(process, "driver drives")
+        process.send_signal(signal.SIGINT)
+        code, output, errors = finished(process)
+    assert (code, output) == (0, "driver stopped\n")
+    assert "Broken.idle_work failed: KeyError: 'lost'" in errors
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "sentence"),
     [
