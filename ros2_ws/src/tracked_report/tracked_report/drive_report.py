@@ -29,6 +29,12 @@ _TRACKING: tuple[tuple[str, str, str, Draw], ...] = (
         tracking_plots.states,
     ),
     (
+        "transient",
+        "Over the step",
+        "As Fig 5.22 (b): the estimates of all runs while the step pushes the robot off its way, and just after.",
+        tracking_plots.transient,
+    ),
+    (
         "errors",
         "Tracking errors",
         "As Figs 5.19 and 5.23: reference minus pose. Left what the controller sees, right what is true; the "
@@ -47,7 +53,9 @@ _SIGNALS: tuple[tuple[str, str, str, Draw], ...] = (
     (
         "slip",
         "Slip",
-        "What the ground adds to the motion that the belts ask for. Gaps: standstill, where the belts bear no witness.",
+        "What the ground adds to the motion that the belts ask for. Gaps: standstill, where the belts bear no witness. "
+        "Of the speed only the part that comes with turning is estimated: slip that both belts share cannot be seen "
+        "from belts and gyro.",
         signal_plots.slip,
     ),
     (
@@ -85,12 +93,12 @@ def drive_report(runs: Runs, sheet: MetricSheet, baseline: str) -> Report:
     variants = list(runs)
     tables = [tracking_table(sheet.values, variants, baseline, frame) for frame in ("estimated", "true")]
     sections = [
-        Section("The run", items=[draw(runs, _SCENE)]),
+        Section("The run", _variants_text(runs), [draw(runs, _SCENE)]),
         Section(
             "Tracking",
             "Peak to peak (5.3.1) and root mean square (5.3.2) of the tracking error, as in Table 5.1, from the first "
             "reference point until one second after the reference has come to rest.",
-            [*tables, *(draw(runs, job) for job in _TRACKING)],
+            [*tables, *(draw(runs, job) for job in _TRACKING if job[0] != "transient" or _steps(runs))],
         ),
         Section("Commands, slip and ride", items=[draw(runs, job) for job in _SIGNALS]),
         Section("Timing", items=[draw(runs, job) for job in _TIMING]),
@@ -120,6 +128,16 @@ def draw(runs: Runs, job: tuple[str, str, str, Draw]) -> Picture:
         return Picture(slug, title, caption, missing=str(error))
 
 
+def _steps(runs: Runs) -> bool:
+    return any(outline.kind == "step" for record in runs.values() for outline in record.meta.scene)
+
+
+def _variants_text(runs: Runs) -> str:
+    """What each variant is, in one sentence each."""
+    told = {name: record.meta.variant_description for name, record in runs.items()}
+    return " ".join(f"{name}: {text.rstrip('.')}." for name, text in told.items() if text)
+
+
 def _facts(runs: Runs) -> list[tuple[str, str]]:
     meta = next(iter(runs.values())).meta
     facts = [
@@ -129,7 +147,7 @@ def _facts(runs: Runs) -> list[tuple[str, str]]:
         ("upper pipeline latency", "" if meta.pipeline_latency_s is None else f"{meta.pipeline_latency_s:g} s"),
         ("suspension", ", ".join(dict.fromkeys(record.meta.suspension for record in runs.values()))),
         ("commit", meta.commit),
-        ("made", meta.created),
+        ("made", meta.created[:16].replace("T", " ") + " UTC" if meta.created.endswith("+00:00") else meta.created),
     ]
     return [(label, value) for label, value in facts if value]
 

@@ -67,8 +67,8 @@ def slip(runs: Runs, slug: str) -> str:
         shade_crossings(axes[:, column], record)
         for row, (key, label) in enumerate(_SLIP_ROWS):
             for channel, title, style in (
-                ("slip", f"estimate, {name}", {"color": variant_colour(column), "linewidth": 0.7, "alpha": 0.65}),
-                ("truth_slip", "truth", {"color": INK, "linewidth": 1.2}),
+                ("truth_slip", "truth", {"color": LIMIT, "linewidth": 2.6}),
+                ("slip", f"estimate, {name}", {"color": variant_colour(column), "linewidth": 0.8}),
             ):
                 rows = record.channel(channel)
                 if not len(rows):

@@ -8,7 +8,7 @@ from matplotlib.patches import Polygon
 from tracked_report.metrics.settings import MetricSettings
 from tracked_report.metrics.sheet import NotRecordedError
 from tracked_report.metrics.tracking import FRAMES, Tracking, poses_in_world, tracking
-from tracked_report.plots.crossings import GROUND_COLOURS, shade_crossings
+from tracked_report.plots.crossings import GROUND_COLOURS, crossings, shade_crossings
 from tracked_report.plots.style import (
     INK,
     REFERENCE,
@@ -22,6 +22,7 @@ from tracked_report.plots.timeline import origin_ns, seconds_after
 from tracked_report.run_record import RunRecord
 
 Runs = Mapping[str, RunRecord]
+_DASHED = (0, (4, 2))
 _STATE_LABELS = ("x (m)", "y (m)", "heading (rad)")
 _ERROR_LABELS = ("x error (m)", "y error (m)", "heading error (rad)")
 _KIND_COLOURS = {
@@ -64,7 +65,7 @@ def states(runs: Runs, slug: str) -> str:
                 # The reference minus the wrapped error keeps both headings on one branch.
                 axes[row, column].plot(times, wanted[:, row] - run.error[:, row], color=colour, label=label)
                 if frame == "estimated" or _tracked(record, "estimated", settings) is None:
-                    style = {"color": REFERENCE, "linestyle": (0, (4, 2)), "linewidth": 1.1}
+                    style = {"color": REFERENCE, "linestyle": _DASHED, "linewidth": 1.1}
                     axes[row, column].plot(times, wanted[:, row], label="reference", **style)
     if not drawn:
         raise NotRecordedError("no run has a reference together with poses")
@@ -72,6 +73,33 @@ def states(runs: Runs, slug: str) -> str:
         axes[row, 0].set_ylabel(label)
     legend_above(figure, axes.flat)
     return to_svg(figure, slug, "States against time")
+
+
+def transient(runs: Runs, slug: str) -> str:
+    """y and heading over the first step crossed, a second before until two after: all estimates, one reference."""
+    first = next(iter(runs.values()))
+    window = next(((start - 1.0, end + 2.0) for start, end, kind in crossings(first) if kind == "step"), None)
+    if window is None:
+        raise NotRecordedError("no step was crossed")
+    figure = new_figure(10.0, 2.9)
+    axes = figure.subplots(1, 2)
+    for index, (name, record) in enumerate(runs.items()):
+        run = _tracked(record, "estimated", MetricSettings())
+        if run is None:
+            continue
+        times = seconds_after(run.stamps_ns, origin_ns(record))
+        inside = (times >= window[0]) & (times <= window[1])
+        wanted = run.reference[inside].copy()
+        wanted[:, 2] = np.unwrap(wanted[:, 2])
+        for ax, row in zip(axes, (1, 2), strict=True):
+            ax.plot(times[inside], wanted[:, row] - run.error[inside, row], color=variant_colour(index), label=name)
+            if index == 0:
+                ax.plot(times[inside], wanted[:, row], color=REFERENCE, linestyle=_DASHED, label="reference", zorder=4)
+    for ax, row in zip(axes, (1, 2), strict=True):
+        ax.set(xlabel="time (s)", ylabel=_STATE_LABELS[row], xlim=window)
+    shade_crossings(axes, first)
+    legend_above(figure, axes)
+    return to_svg(figure, slug, "y and heading against time over the step")
 
 
 def errors(runs: Runs, slug: str) -> str:
@@ -128,7 +156,7 @@ def scene(runs: Runs, slug: str) -> str:
             x, y = corners[:, 0].mean(), corners[:, 1].max()
             ax.annotate(outline.label, (x, y), (0, -4), textcoords="offset points", ha="center", va="top", fontsize=8)
     if len(wanted):
-        ax.plot(*wanted.T, color=REFERENCE, linestyle=(0, (4, 2)), linewidth=1.2, label="reference", zorder=4)
+        ax.plot(*wanted.T, color=REFERENCE, linestyle=_DASHED, linewidth=1.2, label="reference", zorder=4)
     for index, (name, (path, kind)) in enumerate(paths.items()):
         ax.plot(*path.T, color=variant_colour(index), label=f"{name}, {kind}", linewidth=1.6, zorder=3)
     start = next(iter(paths.values()))[0][0]
