@@ -103,7 +103,6 @@ class Bringup:
         record = self._folder / f"{variant}.npz"
         shutil.rmtree(logs, ignore_errors=True)
         record.unlink(missing_ok=True)
-        write_whole(logs / "meta.json", run_meta(scenario, variant).model_dump_json(indent=2))
         plan = plan_graph(
             self._table,
             scenario,
@@ -112,6 +111,8 @@ class Bringup:
             namespace=options.namespace,
             extra={"recorder": {"record_file": str(record), "meta_file": str(logs / "meta.json")}},
         )
+        meta = run_meta(scenario, variant, simulated=plan.has("sim_bridge"))
+        write_whole(logs / "meta.json", meta.model_dump_json(indent=2))
         supervisor = Supervisor(
             plan,
             locate=locate_executable,
@@ -227,7 +228,7 @@ def main() -> int:
         signal.signal(number, on_signal)
     try:
         return bringup.run()
-    except OSError as error:
+    except (OSError, CheckedFileError) as error:
         print(f"bringup: {error}", file=sys.stderr)
         return ExitCode.NODE_FAILED
 

@@ -82,7 +82,11 @@ class RecorderNode(StackNode):
         self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.on_odometry, qos.STATE)
         self.subscribe_typed(OdometryMessage, "ground_truth/odom", body_state_from_message, self.on_truth, qos.STATE)
         self.subscribe_typed(
-            AccelStamped, "ground_truth/acceleration", self._acceleration, self.on_acceleration, qos.STATE
+            AccelStamped,
+            "ground_truth/acceleration",
+            vertical_acceleration_from_message,
+            self.on_acceleration,
+            qos.STATE,
         )
         self.subscribe_typed(SafetyMessage, "safety/state", self._safety_change, self.on_safety, qos.LATCHED)
 
@@ -126,10 +130,6 @@ class RecorderNode(StackNode):
         if math.isnan(self.started_s):
             self.started_s = self.newest_s
         self.recorder.add(channel, value, self.newest_s)
-
-    @staticmethod
-    def _acceleration(message: AccelStamped) -> tuple[int, float]:
-        return stamp_from_message(message.header.stamp), vertical_acceleration_from_message(message)
 
     @staticmethod
     def _safety_change(message: SafetyMessage) -> _SafetyChange:
