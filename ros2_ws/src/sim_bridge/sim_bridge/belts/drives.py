@@ -23,8 +23,9 @@ def drive_belt(
 ) -> None:
     """Advance one belt by ``dt`` towards a target speed (m/s).
 
-    The target is limited in rate and passed through the response that controllers count on; a PID with a force limit
-    and the motor's lag then moves the belt, which the ground holds back by ``thrust`` (N) and rolling resistance by a
+    The target is limited in rate and passed through the response that controllers count on; a PID, helped by the force
+    that the set-point's acceleration needs on firm ground, with a force limit and the motor's lag then moves the belt,
+    which the ground holds back by ``thrust`` (N) and rolling resistance by a
     share of the ``load`` (N) on the belt. ``ground_damping`` (N s/m) makes the step linearly implicit.
     """
     reach = p.drive_acceleration * dt
@@ -34,8 +35,13 @@ def drive_belt(
     state.setpoint[side] += wanted * dt
 
     error = state.setpoint[side] - state.belt_speed[side]
-    proportional = p.drive_proportional * error + p.drive_derivative * wanted
-    asked = proportional + state.integral[side]
+    asked = (
+        p.driven_mass * wanted
+        + p.drive_proportional * error
+        + state.integral[side]
+        + p.drive_derivative * (error - state.error[side]) / dt
+    )
+    state.error[side] = error
     force = min(max(asked, -p.motor_force), p.motor_force)
     # The integral stands still while the motor is at its limit and the error would push it further.
     if asked == force or error * asked < 0.0:

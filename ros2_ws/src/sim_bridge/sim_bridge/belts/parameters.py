@@ -51,6 +51,7 @@ class BeltParameters(NamedTuple):
     stop_stiffness: float
     stop_damping: float
     belt_mass: float
+    driven_mass: float
     drive_response: float
     drive_speed: float
     drive_acceleration: float
@@ -142,6 +143,7 @@ def belt_parameters(robot: Robot, kind: SuspensionKind) -> BeltParameters:
         stop_stiffness=suspension.stop_stiffness_npm,
         stop_damping=suspension.stop_damping_nspm,
         belt_mass=drive.belt_mass_kg,
+        driven_mass=drive.belt_mass_kg + 0.5 * chassis.sprung_mass_kg + tracks.wheel_count * chassis.unit_mass_kg,
         drive_response=tracks.motor_time_constant_s,
         drive_speed=tracks.speed_limit_mps,
         drive_acceleration=tracks.acceleration_limit_mps2,

@@ -16,7 +16,7 @@ class BeltState(NamedTuple):
     travel, travel_rate: (2, wheels) suspension travel (m, negative in compression) and its rate.
     shear: (2, bars, 2) longitudinal and lateral shear of the belt on the ground (m).
     belt_speed, belt_travel: (2,).
-    profile, setpoint, integral, motor_force: (2,) state of the drives.
+    profile, setpoint, error, integral, motor_force: (2,) state of the drives.
     """
 
     travel: Array
@@ -26,6 +26,7 @@ class BeltState(NamedTuple):
     belt_travel: Array
     profile: Array
     setpoint: Array
+    error: Array
     integral: Array
     motor_force: Array
 
