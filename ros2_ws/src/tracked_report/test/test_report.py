@@ -45,7 +45,7 @@ def page_of(runs, baseline=None):
 
 @pytest.fixture(scope="module")
 def page():
-    return page_of(synthetic_pair(duration_s=8.0))
+    return page_of(synthetic_pair(duration_s=11.0))
 
 
 def test_the_page_needs_nothing_from_outside(page):
