@@ -1,67 +1,28 @@
 """One process of nodes: start, spin, signals, safe stop and exit code."""
 
 import os
-import signal
 import sys
 import time
 import traceback
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from types import FrameType
+from collections.abc import Sequence
 from typing import Any
 
 import rclpy
 from rclpy.duration import Duration
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.logging import get_logger
 from rclpy.qos import ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from node_kit.docs import render_nodes
+from node_kit.executors import executor_kind, make_executor
 from node_kit.failures import callback_name, debugging
 from node_kit.node import StackNode
+from node_kit.stop_signals import StopSignals, StopWhileStarting
 
 OK, FAILED, BAD_PARAMETERS = 0, 1, 2
 _LONGEST_WAIT_S = 0.1
 _FLUSH_LIMIT_S = 0.3
-
-
-class _StopWhileStarting(BaseException):
-    """A signal came before the nodes were ready."""
-
-
-class StopSignals:
-    """SIGINT and SIGTERM as a request that the spin loop sees; further ones are ignored."""
-
-    def __init__(self) -> None:
-        self.requested = False
-        self._starting = True
-
-    @contextmanager
-    def handled(self) -> Iterator[None]:
-        """Handle signals inside the block. Afterwards they stay ignored, until the process ends."""
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._on_signal)
-        try:
-            yield
-        finally:
-            self.ignore()
-
-    def started(self) -> None:
-        """From now on a signal waits for the running callback to end."""
-        self._starting = False
-
-    def ignore(self) -> None:
-        """Ignore signals: the process is stopping already."""
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, signal.SIG_IGN)
-
-    def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
-        first = not self.requested
-        self.requested = True
-        if first and self._starting:
-            raise _StopWhileStarting
 
 
 def run(*node_classes: type[StackNode], args: Sequence[str] | None = None) -> int:
@@ -87,7 +48,7 @@ def run(*node_classes: type[StackNode], args: Sequence[str] | None = None) -> in
     with stop.handled():
         try:
             code = _serve(node_classes, nodes, arguments, kind, stop)
-        except _StopWhileStarting:
+        except StopWhileStarting:
             code = OK
         except Exception:
             traceback.print_exc()
@@ -95,30 +56,6 @@ def run(*node_classes: type[StackNode], args: Sequence[str] | None = None) -> in
         stop.ignore()
         _finish(nodes)
     return code
-
-
-def executor_kind() -> str:
-    """What NODE_KIT_EXECUTOR asks for.
-
-    Raises
-    ------
-    ValueError: it is neither ``events`` nor ``single``.
-    """
-    kind = os.environ.get("NODE_KIT_EXECUTOR", "events")
-    if kind not in ("events", "single"):
-        raise ValueError(f"NODE_KIT_EXECUTOR must be events or single, got {kind!r}")
-    return kind
-
-
-def make_executor(kind: str) -> Any:
-    """The executor of a kind; where rclpy has no events executor, the single-threaded one."""
-    if kind == "events":
-        try:
-            from rclpy.experimental import EventsExecutor
-        except ImportError:
-            return SingleThreadedExecutor()
-        return EventsExecutor()
-    return SingleThreadedExecutor()
 
 
 def _refuse(name: str, sentence: str) -> int:

@@ -8,6 +8,8 @@ from contextlib import contextmanager
 
 import pytest
 
+from node_kit import Parameter, ParameterTable, StackNode, run
+
 LIMIT_S = 30.0
 PRELUDE = """
 import sys
@@ -85,8 +87,9 @@ def wait_for(process, line):
 RUN = "sys.exit(run(Driver))"
 
 
-@pytest.mark.parametrize("executor", ["events", "single"])
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    ("executor", "number"), [("events", signal.SIGINT), ("events", signal.SIGTERM), ("single", signal.SIGTERM)]
+)
 def test_signal_stops_what_moves_and_exits_cleanly(executor, number):
     with started(RUN, NODE_KIT_EXECUTOR=executor) as process:
         wait_for(process, "driver drives")
@@ -209,8 +212,6 @@ sys.exit(run(Broken))
     [
         (("--ros-args", "-p", "gain:=9.0"), 2, "cannot start: parameter gain must be at most 5, got 9.0"),
         (("--ros-args", "--params-file", "/no/such.yaml"), 2, "/no/such.yaml"),
-        (("--ros-args", "--nonsense"), 2, "--nonsense"),
-        (("gain:=1.0",), 2, "unknown argument gain:=1.0; parameters are given as --ros-args -p name:=value"),
     ],
 )
 def test_bad_start_is_one_clear_line(arguments, code, sentence):
@@ -267,19 +268,34 @@ sys.exit(run(Driver, Endless))
         assert finished(process) == (0, "driver stopped\n", "")
 
 
-def test_help_is_the_page_of_the_node():
-    with started(RUN, "--help") as process:
-        code, output, _ = finished(process)
-    assert code == 0
+class Documented(StackNode):
+    """Drives until it is told to stop."""
+
+    NAME = "driver"
+    PARAMETERS = ParameterTable(Parameter("gain", 1.0, "Gain of it"))
+
+
+def test_help_is_the_page_of_the_node(capsys):
+    assert run(Documented, args=["driver", "--help"]) == 0
+    output = capsys.readouterr().out
     assert "Drives until it is told to stop." in output
     assert "| `gain` | float | `1.0` |" in output
 
 
-def test_executor_that_does_not_exist_is_refused():
-    with started(RUN, NODE_KIT_EXECUTOR="magic") as process:
-        code, _, errors = finished(process)
-    assert code == 2
-    assert "NODE_KIT_EXECUTOR must be events or single, got 'magic'" in errors
+@pytest.mark.parametrize(
+    ("arguments", "executor", "sentence"),
+    [
+        (["gain:=1.0"], "events", "unknown argument gain:=1.0; parameters are given as --ros-args -p name:=value"),
+        (["--ros-args", "--nonsense"], "events", "--nonsense"),
+        ([], "magic", "NODE_KIT_EXECUTOR must be events or single, got 'magic'"),
+    ],
+)
+def test_arguments_that_make_no_sense_are_refused_before_anything_starts(
+    monkeypatch, capsys, arguments, executor, sentence
+):
+    monkeypatch.setenv("NODE_KIT_EXECUTOR", executor)
+    assert run(Documented, args=["driver", *arguments]) == 2
+    assert sentence in capsys.readouterr().err
 
 
 def test_package_is_imported_without_rclpy():
