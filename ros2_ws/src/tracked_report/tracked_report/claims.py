@@ -18,7 +18,7 @@ from typing import Any
 
 from tracked_report.ledger import SELF, Claim, Ledger, load_ledgers
 from tracked_report.machine import git_commit
-from tracked_report.measuring import QUICK_OUT, Measured, measure
+from tracked_report.measuring import LOGS, QUICK_OUT, Measured, measure
 from tracked_report.progress import Progress
 from tracked_report.results import write_metrics
 from tracked_report.terminal import coloured, render_table
@@ -162,6 +162,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(table(verdicts, ("PASS", "FAIL" if options.quick else "MISS")))
     print(f"{held} of {len(verdicts)} claims hold, measured in {seconds:.0f} s; {path.relative_to(root)}")
     if any(verdict.value is None for verdict in verdicts):
+        print(f"what the commands said: {(out / LOGS).relative_to(root)}/")
         return NOT_MEASURED
     return HOLDS if held == len(verdicts) else MISSED
 

@@ -15,7 +15,9 @@ from tracked_report.ledger import Measurement
 from tracked_report.machine import UNKNOWN
 from tracked_report.results import OUT_VARIABLE, MetricsError, read_metrics
 
-QUICK_OUT = Path("out/quick")
+OUT = Path("out")
+QUICK_OUT = OUT / "quick"
+LOGS = "claims_logs"
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +47,8 @@ def measure(
     raises: one that fails, runs too long or leaves no fresh figures is told in ``failure``.
     """
     command = (measurement.quick or "") if quick else measurement.run
-    metrics = root / (QUICK_OUT / Path(measurement.metrics).relative_to("out") if quick else measurement.metrics)
-    log = root / (QUICK_OUT if quick else Path("out")) / "claims_logs" / f"{name}.log"
+    metrics = root / (QUICK_OUT / Path(measurement.metrics).relative_to(OUT) if quick else measurement.metrics)
+    log = root / (QUICK_OUT if quick else OUT) / LOGS / f"{name}.log"
     before = _version(metrics)
     started = time.monotonic()
 
