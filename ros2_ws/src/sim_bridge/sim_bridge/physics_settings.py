@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
-from sim_bridge.belts.parameters import LAWS, SuspensionKind
+from sim_bridge.belts.parameters import LAWS
 from tracked_description import Robot
+from tracked_description.suspension import SuspensionKind
 from tracked_types.setting import check_settings, setting
 
 AS_DESCRIBED = "robot"

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from robust_core.plants.x_structure import STANDARD_GRAVITY_MPS2
 from sim_bridge.belts.geometry import locate
-from sim_bridge.belts.parameters import BeltParameters, SuspensionKind, belt_parameters
+from sim_bridge.belts.parameters import BeltParameters, belt_parameters
 from sim_bridge.belts.probes import HALF_THICKNESS_M, BeltProbes
 from sim_bridge.belts.stability import least_rate_hz
 from sim_bridge.belts.state import BeltState, new_contacts, new_state, new_workspace
@@ -22,6 +22,7 @@ from sim_bridge.solids import Friction
 from sim_bridge.vehicle_state import VehicleState
 from sim_bridge.world import World
 from tracked_description import Robot
+from tracked_description.suspension import SuspensionKind
 from tracked_types import Pose2
 
 Array = NDArray[np.float64]

@@ -9,12 +9,13 @@ from hypothesis import strategies as st
 
 from sim_bridge.belts.geometry import rotation_from_quaternion
 from sim_bridge.belts.normal_load import solve_tridiagonal
-from sim_bridge.belts.parameters import belt_parameters, x_structure_of
+from sim_bridge.belts.parameters import belt_parameters
 from sim_bridge.belts.shear import shear_stress
 from sim_bridge.belts.state import new_state
 from sim_bridge.belts.suspension_law import unit_law
 from sim_bridge.sensors.rotations import rotation_from_roll_pitch_yaw
 from tracked_description import load_robot
+from tracked_description.suspension import x_structure_of
 
 ROBOT = load_robot()
 PARAMETERS = belt_parameters(ROBOT, "qzs")

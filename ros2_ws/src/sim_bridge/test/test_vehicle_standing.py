@@ -5,8 +5,8 @@ import pybullet
 import pytest
 
 from robust_core.plants.x_structure import STANDARD_GRAVITY_MPS2, SnapThroughError
-from sim_bridge.belts.parameters import rest_travel_m
 from tracked_description import load_robot
+from tracked_description.suspension import rest_travel_m
 from tracked_types import Pose2
 
 KINDS = ["qzs", "linear", "locked"]

@@ -1,12 +1,12 @@
 """Numbers of the belt-force model, flattened for the compiled code."""
 
 import math
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
-from robust_core.plants.x_structure import STANDARD_GRAVITY_MPS2, XStructure
+from robust_core.plants.x_structure import STANDARD_GRAVITY_MPS2
 from tracked_description import Robot
+from tracked_description.suspension import SuspensionKind, rest_travel_m, x_structure_of
 
-SuspensionKind = Literal["qzs", "linear", "locked"]
 QZS, LINEAR, LOCKED = 0, 1, 2
 LAWS: dict[SuspensionKind, int] = {"qzs": QZS, "linear": LINEAR, "locked": LOCKED}
 
@@ -60,42 +60,6 @@ class BeltParameters(NamedTuple):
     drive_derivative: float
     motor_lag: float
     motor_force: float
-
-
-def x_structure_of(robot: Robot) -> XStructure:
-    """The suspension unit of one road wheel as the plant model of robust_core knows it."""
-    suspension = robot.suspension
-    return XStructure(
-        layers=suspension.layers,
-        rod_length_m=suspension.rod_length_m,
-        angle_rad=math.radians(suspension.angle_deg),
-        spring_npm=suspension.spring_npm,
-        joint_damping_nms=suspension.joint_damping_nms,
-        joints=suspension.joint_count,
-    )
-
-
-def unit_load_n(robot: Robot) -> float:
-    """Static load of one suspension unit on flat ground (N): the sprung weight shared evenly."""
-    return robot.chassis.sprung_mass_kg * STANDARD_GRAVITY_MPS2 / (2 * robot.tracks.wheel_count)
-
-
-def rest_travel_m(robot: Robot, kind: SuspensionKind) -> float:
-    """Travel of one unit under its static load (m, negative in compression).
-
-    Raises
-    ------
-    SnapThroughError: if the X structure cannot carry the load.
-    ValueError: if the travel lies beyond a bump stop.
-    """
-    load, suspension = unit_load_n(robot), robot.suspension
-    travel = -load / suspension.linear_spring_npm if kind == "linear" else x_structure_of(robot).equilibrium_m(load)
-    if travel <= -suspension.compression_stop_m:
-        raise ValueError(
-            f"suspension: {load:.2f} N per unit compress it by {-travel * 1e3:.1f} mm, "
-            f"beyond its stop at {suspension.compression_stop_m * 1e3:.1f} mm"
-        )
-    return travel
 
 
 def belt_parameters(robot: Robot, kind: SuspensionKind) -> BeltParameters:

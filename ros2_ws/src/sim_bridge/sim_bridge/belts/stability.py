@@ -3,8 +3,8 @@
 import math
 
 from robust_core.plants.x_structure import STANDARD_GRAVITY_MPS2
-from sim_bridge.belts.parameters import SuspensionKind
 from tracked_description import Robot
+from tracked_description.suspension import SuspensionKind
 
 # Share of the stability limit that may be used: dt^2 k/m + 2 dt c/m < 4 for one degree of freedom.
 _MARGIN = 0.7
