@@ -111,7 +111,7 @@ def table(verdicts: Sequence[Verdict], words: tuple[str, str]) -> str:
         word = coloured(words[0], "green") if verdict.ok else coloured(words[1], "red")
         target = f"{claim.target_text()} {claim.unit}".strip()
         if verdict.value is None:
-            rows.append([word, claim.id, target, "-", "-", verdict.reason])
+            rows.append([word, claim.id, target, "-", "-", verdict.reason[:80]])
         else:
             rows.append([word, claim.id, target, f"{verdict.value:.4g}", f"{claim.margin(verdict.value):+.3g}", ""])
     headers = ["", "claim", "target", "measured", "margin", ""]
