@@ -67,7 +67,7 @@ class TrackSolver:
         limits: TrackLimits,
         *,
         iteration_limit: int = 30,
-        tolerance: float = 1e-5,
+        tolerance: float = 1e-9,
         use_compiler: bool = True,
     ) -> None:
         self.motion, self.horizon, self.limits = motion, horizon, limits
@@ -77,6 +77,7 @@ class TrackSolver:
             function, self.interpreter_reason = compiled(function)
         self._buffer = FunctionBuffer(function)
         self._rows = limits.rows(horizon)
+        self._model: daqp.Model | None = None
         self._iteration_limit, self._tolerance = iteration_limit, tolerance
         self._guess = np.zeros((horizon, 2))
 
@@ -107,40 +108,57 @@ class TrackSolver:
         cost, feasible = result["cost"].item(), self._is_feasible(commands.ravel(), low, high)
         if not cost < math.inf:
             return self._failure(Outcome.NON_FINITE, 0)
-        model, outcome, iterations = None, Outcome.ITERATION_LIMIT, 0
+        outcome, iterations = Outcome.ITERATION_LIMIT, 0
         while iterations < self._iteration_limit:
             iterations += 1
             current = commands.ravel().copy()
             hessian = result["hessian"]
             linear = result["gradient"][0] - hessian @ current
-            if model is None:
-                model = daqp.Model()
-                model.settings = {"primal_tol": FEASIBILITY_TOLERANCE}
-                flag = model.setup(hessian, linear, self._rows, high, low)[0]
-            else:
-                flag = model.update(H=hessian, f=linear)
-            if flag >= 0:
-                target, _, flag, _ = model.solve()
-            if flag <= 0:
+            target = self._minimise(hessian, linear, high, low, bounds_changed=iterations == 1)
+            if target is None:
                 # The Hessian is positive definite by construction, so the limits are at fault.
                 return self._failure(Outcome.INFEASIBLE, iterations)
             change = target - current
-            size, cost, helped = self._search(current, change, cost, feasible)
-            feasible = feasible or size == 1.0
-            if not helped:
-                slope = float(result["gradient"][0] @ change)
-                outcome = Outcome.STALLED if -slope > 1e-7 * (1.0 + cost) else Outcome.CONVERGED
-                break
-            if size * np.abs(change).max() < self._tolerance:
+            expected = float(result["gradient"][0] @ change + 0.5 * change @ (hessian @ change))
+            if feasible and -expected < self._tolerance * (1.0 + cost):
                 outcome = Outcome.CONVERGED
+                break
+            size, cost = self._search(current, change, cost, feasible)
+            feasible = feasible or size == 1.0
+            if size == 0.0:
+                outcome = Outcome.STALLED
                 break
         if not np.isfinite(cost):
             return self._failure(Outcome.NON_FINITE, iterations)
         self._guess[:] = commands
         return Solution(commands.copy(), result["states"].copy(), cost, iterations, outcome)
 
-    def _search(self, current: Array, change: Array, cost: float, feasible: bool) -> tuple[float, float, bool]:
-        """Take the largest halved step that lowers the cost; from outside the limits, the full one."""
+    def _minimise(
+        self, hessian: Array, linear: Array, high: Array, low: Array, *, bounds_changed: bool
+    ) -> Array | None:
+        """Commands (2N,) that minimise the quadratic model within the limits; None if there are none.
+
+        The QP solver keeps its workspace and starts from the constraints that were active last.
+        """
+        if self._model is None:
+            self._model = daqp.Model()
+            self._model.settings = {"primal_tol": FEASIBILITY_TOLERANCE}
+            flag = self._model.setup(hessian, linear, self._rows, high, low)[0]
+        elif bounds_changed:
+            flag = self._model.update(H=hessian, f=linear, bupper=high, blower=low)
+        else:
+            flag = self._model.update(H=hessian, f=linear)
+        if flag < 0:
+            return None
+        target, _, flag, _ = self._model.solve()
+        # Without this look at the flag a failure would pass for a solution.
+        return np.asarray(target) if flag > 0 else None
+
+    def _search(self, current: Array, change: Array, cost: float, feasible: bool) -> tuple[float, float]:
+        """Take the largest halved step that lowers the cost; from outside the limits, the full one.
+
+        Returns the share of the step and the cost there; 0 and the old cost if none lowers it.
+        """
         commands, result = self._buffer.inputs["commands"], self._buffer.outputs
         size = 1.0
         while size >= SMALLEST_STEP:
@@ -148,11 +166,11 @@ class TrackSolver:
             self._buffer.call()
             new_cost = result["cost"].item()
             if new_cost < cost or not feasible:
-                return size, new_cost, True
+                return size, new_cost
             size *= 0.5
         commands[:] = current.reshape(-1, 2)
         self._buffer.call()
-        return 0.0, cost, False
+        return 0.0, cost
 
     def _load(self, problem: Problem) -> None:
         table = self._buffer.inputs
@@ -182,5 +200,6 @@ class TrackSolver:
 
     def _failure(self, outcome: Outcome, iterations: int) -> Solution:
         self._guess[:] = 0.0
+        self._model = None
         states = np.full((self.horizon + 1, self.motion.state_count), np.nan)
         return Solution(np.zeros((self.horizon, 2)), states, float("nan"), iterations, outcome)
