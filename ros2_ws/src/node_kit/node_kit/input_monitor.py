@@ -10,7 +10,7 @@ class InputMonitor:
     memory_s: how long a rejection keeps the level at WARN.
     """
 
-    def __init__(self, memory_s: float = 5.0) -> None:
+    def __init__(self, memory_s: float) -> None:
         self._memory_s = memory_s
         self._ledgers: list[RejectionLedger] = []
         self._rejected_s: dict[str, float] = {}

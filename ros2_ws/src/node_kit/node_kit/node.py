@@ -27,14 +27,33 @@ from tracked_types.setting import settings_of
 if TYPE_CHECKING:
     from node_kit.transforms import TransformBroadcaster
 
-_FRAME_PREFIX = re.compile(r"([A-Za-z_][A-Za-z0-9_]*/?)*")
+FRESH_S = 5.0
+_FRAME_PREFIX = re.compile(r"([A-Za-z_][A-Za-z0-9_]*/)*([A-Za-z_][A-Za-z0-9_]*)?")
 
 
 class StackNode(Node):
     """A node whose parameters come from a table and whose inputs are checked before it sees them.
 
     A subclass sets NAME and PARAMETERS, makes its algorithm and endpoints in ``__init__`` and translates in its
-    callbacks. An exception in a callback is logged with the callback's name, counted on diagnostics and served on;
+    callbacks::
+
+        class EchoNode(StackNode):
+            NAME = "echo"
+            PARAMETERS = ParameterTable.from_settings(EchoSettings)
+
+            def __init__(self) -> None:
+                super().__init__()
+                self.echo = Echo(EchoSettings(**self.tuning(EchoSettings)))
+                self.commands = self.publish_typed(TwistStamped, "cmd_vel", command_to_message, qos.COMMAND)
+                self.subscribe_typed(Odometry, "odom", odometry_from_message, self.on_odometry, qos.STATE)
+
+            def on_odometry(self, odometry) -> None:
+                self.commands.publish(self.echo.update(odometry))
+
+        def main() -> int:
+            return run(EchoNode)
+
+    An exception in a callback is logged with the callback's name, counted on diagnostics and served on;
     with EXIT_ON_EXCEPTION it stops the process with exit code 1 after `safe_stop`.
 
     Raises
@@ -50,15 +69,19 @@ class StackNode(Node):
         super().__init__(self.NAME, automatically_declare_parameters_from_overrides=True, **node_options)
         self.exit_code: int | None = None
         self.typed_publishers: list[TypedPublisher] = []
+        self.typed_subscriptions: list[TypedSubscription[Any]] = []
         self._table_values = NodeParameters(self, self.PARAMETERS + COMMON_PARAMETERS, self.parameters_changed)
-        for sentence in self._table_values.unknown:
-            self.get_logger().warning(f"{sentence}; ignored")
         if not _FRAME_PREFIX.fullmatch(self.value("frame_prefix")):
             raise BadParameterError(f"parameter frame_prefix is no frame name: {self.value('frame_prefix')!r}")
         self.diagnostics = DiagnosticsPublisher(self)
-        self._monitor = InputMonitor()
+        for sentence in self._table_values.unknown:
+            self.get_logger().warning(f"{sentence}; ignored")
+            self.diagnostics.report("parameters", Level.WARN, f"{sentence}; ignored")
+        self._monitor = InputMonitor(FRESH_S)
         self._failures = CallbackFailures(self.get_logger().error, self._on_failure)
+        self._failed_s = float("-inf")
         self.diagnostics.add_source(self._report_health)
+        self.diagnostics.add_source(self._report_connections)
 
     # What subclasses may override.
 
@@ -108,7 +131,7 @@ class StackNode(Node):
         expected_frame: str | None = None,
     ) -> TypedSubscription[Value]:
         """Call ``callback`` with what ``convert`` makes of each message; messages that it rejects are counted."""
-        return TypedSubscription(
+        subscription = TypedSubscription(
             self,
             message_type,
             topic,
@@ -120,6 +143,8 @@ class StackNode(Node):
             on_rejection=self._report_health,
             expected_frame=expected_frame,
         )
+        self.typed_subscriptions.append(subscription)
+        return subscription
 
     def serve(self, service_type: type, name: str, handler: Callable[[Any, Any], Any]) -> Service:
         """Serve ``handler(request, response) -> response``; its exceptions become refusals with the reason."""
@@ -149,12 +174,23 @@ class StackNode(Node):
         self._failures.note(name, error)
 
     def _on_failure(self, newest: str) -> None:
+        self._failed_s = time.monotonic()
         self._report_failures()
         if self.EXIT_ON_EXCEPTION:
             self.request_exit(1, f"stopping: {newest}")
 
     def _report_health(self) -> None:
         self.diagnostics.report("inputs", *self._monitor.summary(time.monotonic()))
+        if self._failures.counts:
+            self._report_failures()
+
+    def _report_connections(self) -> None:
+        """How many publishers each subscription hears; others wait for this before they start what must not be lost."""
+        heard = {typed.ledger.topic: typed.subscription.get_publisher_count() for typed in self.typed_subscriptions}
+        self.diagnostics.report("connections", Level.OK, "publishers heard", heard)
 
     def _report_failures(self) -> None:
-        self.diagnostics.report("callbacks", Level.ERROR, self._failures.newest, self._failures.counts)
+        """A failure is an error while it is fresh and a warning for good."""
+        fresh = time.monotonic() - self._failed_s < FRESH_S
+        level = Level.ERROR if fresh else Level.WARN
+        self.diagnostics.report("callbacks", level, self._failures.newest, self._failures.counts)

@@ -148,6 +148,19 @@ def test_malformed_messages_are_counted_with_reason_and_sender(graph, source, im
     assert echo.heard == []
 
 
+def test_diagnostics_tell_how_many_publishers_each_input_hears(graph):
+    graph.add(EchoNode)
+    newest = statuses(graph, graph.plain("monitor"))
+
+    def heard():
+        status = newest.get("echo: connections")
+        return {value.key: value.value for value in status.values} if status else None
+
+    graph.spin_until(lambda: heard() == {"imu/data": "0"}, "a report of silence")
+    graph.plain("imu_driver").create_publisher(Imu, "imu/data", qos.SENSOR)
+    graph.spin_until(lambda: heard() == {"imu/data": "1"}, "a report of the driver")
+
+
 def test_wrong_frame_is_rejected_where_one_is_expected(graph, imu_message):
     strict = graph.add(StrictNode, "-p", "frame_prefix:=robot1/")
     newest = statuses(graph, graph.plain("monitor"))
@@ -220,6 +233,7 @@ def test_diagnostics_appear_every_second_with_hardware_id(graph):
         (("-p", "gain:=fast"), "gain must be of type float, got 'fast'"),
         (("-p", "mode:=rigid", "-p", "gain:=-1.0"), "gain .*; parameter mode must be one of soft, hard"),
         (("-p", "frame_prefix:=/robot 1"), "frame_prefix is no frame name"),
+        (("-p", f"frame_prefix:={'a' * 100}!"), "frame_prefix is no frame name"),
     ],
 )
 def test_bad_parameter_stops_the_start_with_its_name(graph, arguments, reason):
@@ -227,8 +241,11 @@ def test_bad_parameter_stops_the_start_with_its_name(graph, arguments, reason):
         graph.add(EchoNode, *arguments)
 
 
-def test_unknown_parameter_is_no_reason_to_stop(graph):
+def test_unknown_parameter_is_a_warning_and_no_reason_to_stop(graph):
+    newest = statuses(graph, graph.plain("monitor"))
     assert graph.add(EchoNode, "-p", "gian:=2.0").value("gain") == 1.0
+    graph.spin_until(lambda: "echo: parameters" in newest, "a warning")
+    assert newest["echo: parameters"].message == "parameter gian is unknown (did you mean gain?); ignored"
 
 
 def test_live_parameter_follows_and_is_checked_others_are_read_only(graph):
