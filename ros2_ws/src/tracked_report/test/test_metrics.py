@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracked_report.channel import Channel
+from tracked_report.drive_tables import coverage_warning, terminal_summary
 from tracked_report.metrics import MetricSettings, NotRecordedError, compare_runs, run_metrics
 from tracked_report.metrics.commands import command_metrics
 from tracked_report.metrics.comparison import reduction_key, reductions
@@ -81,6 +82,18 @@ def test_a_run_cut_before_the_goal_has_no_final_figures():
     sheet = tracking_metrics(cut, "estimated", SETTINGS)
     assert "final_distance_m" not in sheet.values
     assert "ends before" in sheet.missing["final"]
+
+
+def test_a_record_that_starts_late_or_has_a_hole_says_how_much_it_covers():
+    record = synthetic_record(SHORT)
+    odometry = record.channel("odometry")
+    holes = (odometry.rows(np.arange(60, len(odometry))), odometry.rows(np.r_[0:60, 120 : len(odometry)]))
+    assert tracking_metrics(record, "estimated", SETTINGS).values["covered_percent"] == pytest.approx(100.0)
+    for less in holes:
+        values = compare_runs({"late": changed(record, odometry=less)}).values
+        assert values["late.estimated.covered_percent"] == pytest.approx(200.0 / 3.0, abs=1.0)
+        assert "estimates of late cover 6" in coverage_warning(values, ["late"])
+        assert "Attention" in terminal_summary(values, ["late"], "late")
 
 
 def test_a_robot_that_stays_outside_the_bounds_has_no_settling_time():

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from tracked_report.drive_tables import channel_table, other_table, reduction_text, tracking_table
+from tracked_report.drive_tables import channel_table, coverage_warning, other_table, reduction_text, tracking_table
 from tracked_report.html_report import Headline, Report, Section, Table, Tone
 from tracked_report.metrics import MetricSheet, NotRecordedError
 from tracked_report.plots import signal_plots, timing_plots, tracking_plots
@@ -97,7 +97,8 @@ def drive_report(runs: Runs, sheet: MetricSheet, baseline: str) -> Report:
         Section(
             "Tracking",
             "Peak to peak (5.3.1) and root mean square (5.3.2) of the tracking error, as in Table 5.1, from the first "
-            "reference point until one second after the reference has come to rest.",
+            "reference point until one second after the reference has come to rest. "
+            + coverage_warning(sheet.values, variants),
             [*tables, *(draw(runs, job) for job in _TRACKING if job[0] != "transient" or _steps(runs))],
         ),
         Section("Commands, slip and ride", items=[draw(runs, job) for job in _SIGNALS]),

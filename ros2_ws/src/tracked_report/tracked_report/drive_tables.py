@@ -9,6 +9,7 @@ from tracked_report.terminal import Align, coloured, render_table
 
 Values = Mapping[str, float]
 _NUMBERS: Align = "right"
+_COVERED_PERCENT = 98.0
 
 TABLE_5_1 = (
     ("ptop_x_m", "PtoP x (m)"),
@@ -19,6 +20,7 @@ TABLE_5_1 = (
     ("rms_theta_rad", "RMS heading (rad)"),
 )
 OTHER_FIGURES = (
+    ("estimated.covered_percent", "reference covered by estimates (%)"),
     ("estimated.max_distance_m", "largest distance to the reference, estimated (m)"),
     ("true.max_distance_m", "largest distance to the reference, true (m)"),
     ("estimated.final_distance_m", "distance left at the end, estimated (m)"),
@@ -96,6 +98,17 @@ def channel_table(runs: Mapping[str, RunRecord]) -> Table:
     return Table(["channel", *runs], rows, "Rows recorded")
 
 
+def coverage_warning(values: Values, variants: Sequence[str]) -> str:
+    """Which runs have samples for only a part of the reference, so that their figures say less; empty if none."""
+    told = []
+    for name in variants:
+        for frame, what in (("estimated", "estimates"), ("true", "truth")):
+            share = values.get(f"{name}.{frame}.covered_percent", 100.0)
+            if share < _COVERED_PERCENT:
+                told.append(f"{what} of {name} cover {share:.0f} % of the reference")
+    return f"Attention: {'; '.join(told)}. Errors in the gaps are not counted." if told else ""
+
+
 def terminal_summary(values: Values, variants: Sequence[str], baseline: str) -> str:
     """Short table for the terminal: the tracking errors of both frames as in Table 5.1."""
     blocks = []
@@ -106,6 +119,7 @@ def terminal_summary(values: Values, variants: Sequence[str], baseline: str) -> 
         rows = [[_for_terminal(cell) for cell in row] for row in table.cells()]
         align: list[Align] = ["left", *(_NUMBERS for _ in table.headers[1:])]
         blocks.append(f"{table.caption}\n{render_table(rows, table.headers, align, indent='  ')}")
+    blocks += [warning] if (warning := coverage_warning(values, variants)) else []
     return "\n\n".join(blocks) or "No tracking figures: nothing to compare was recorded."
 
 

@@ -72,9 +72,11 @@ def tracking(record: RunRecord, frame: Frame, settings: MetricSettings) -> Track
 
 def tracking_metrics(record: RunRecord, frame: Frame, settings: MetricSettings) -> MetricSheet:
     """Figures of the tracking error, keys ``<kind>_<axis>_<unit>``: ptop (5.3.1), rms (5.3.2), max per axis;
-    rms and max of the distance; settling time and what remains at the end."""
+    rms and max of the distance; settling time and what remains at the end; share of the reference's time
+    for which there are samples at all."""
     sheet = MetricSheet()
     run = tracking(record, frame, settings)
+    sheet.put("covered_percent", _covered_percent(run, int(record.channel("reference").clean().stamps_ns[0])))
     counted = run.error[run.counted]
     for index, (axis, unit) in enumerate(AXES):
         sheet.put(f"ptop_{axis}_{unit}", peak_to_peak(counted[:, index]))
@@ -112,6 +114,16 @@ def _rest(reference: Channel) -> int:
     away[:, 2] = np.abs(wrap_angle(reference.values[:, 2] - reference.values[-1, 2]))
     moving = np.flatnonzero(away.max(axis=1) > _AT_REST)
     return int(reference.stamps_ns[moving[-1] + 1]) if len(moving) else int(reference.stamps_ns[0])
+
+
+def _covered_percent(run: Tracking, start_ns: int) -> float:
+    """Time between neighbouring samples, three typical steps at most, over the time the reference moves."""
+    stamps = run.stamps_ns[run.stamps_ns <= run.rest_ns]
+    if run.rest_ns <= start_ns or len(stamps) < 2:
+        return 100.0 if len(stamps) else 0.0
+    steps = np.diff(np.concatenate([[start_ns], stamps, [run.rest_ns]])).astype(np.float64)
+    longest = 3.0 * float(np.median(steps[1:-1]))
+    return 100.0 * float(steps[steps <= longest].sum()) / float(run.rest_ns - start_ns)
 
 
 def _settling_s(run: Tracking, distance: Array, settings: MetricSettings) -> float:
