@@ -31,6 +31,7 @@ class Graph:
     plan: GraphPlan
     pace: float = 0.1
     polls_until_up: int = 3
+    polls_until_heard: int = 3
     stands_from_s: float = 1e9
     goal_at_s: float = 1e9
     fails_at_s: float = 1e9
@@ -60,6 +61,10 @@ class Graph:
     def missing(self, nodes: tuple[NodePlan, ...]) -> list[str]:
         self.polls_until_up -= 1
         return ["ekf (odom)"] if self.polls_until_up > 0 else []
+
+    def unconnected(self) -> list[str]:
+        self.polls_until_heard -= 1
+        return ["lower_nmpc (hears no odom)"] if self.polls_until_heard > 0 else []
 
     def set_playing(self) -> str | None:
         self.log.append("play")
@@ -110,7 +115,7 @@ def test_time_starts_when_every_endpoint_is_there_and_everything_is_ended_the_re
     graph = Graph(plan("sim_bridge", "ekf"))
     assert run(graph).time_s >= 5.0
     assert graph.log == ["start 1", "play", "end, recorder first"]
-    assert graph.polls_until_up == 0
+    assert graph.polls_until_up == 0 and graph.polls_until_heard == 0
 
 
 def test_without_a_simulator_nobody_starts_the_time() -> None:
@@ -131,7 +136,12 @@ def test_a_goal_may_be_driven_past() -> None:
 @pytest.mark.parametrize(
     ("trouble", "code", "words"),
     [
-        ({"polls_until_up": 10**6}, ExitCode.NOT_MATCHED, r"no endpoints after 10 s: ekf \(odom\)"),
+        ({"polls_until_up": 10**6}, ExitCode.NOT_MATCHED, r"no endpoints after 30 s: ekf \(odom\)"),
+        (
+            {"polls_until_heard": 10**6},
+            ExitCode.NOT_MATCHED,
+            r"no connections after 10 s: lower_nmpc \(hears no odom\)",
+        ),
         ({"refuses_to_play": "no service"}, ExitCode.NOT_MATCHED, "cannot be started: no service"),
         ({"stands_from_s": 2.0}, ExitCode.STALLED, "time stands still at 2.0"),
         ({"fails_at_s": 1.0}, ExitCode.NODE_FAILED, "a node ended"),

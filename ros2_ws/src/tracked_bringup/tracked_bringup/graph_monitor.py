@@ -4,11 +4,13 @@ It looks when asked and spins nothing: each subscription keeps its newest messag
 watching costs next to nothing however fast the topics are.
 """
 
+import contextlib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 from rclpy.context import Context
 from rclpy.node import Node
@@ -53,6 +55,8 @@ class GraphMonitor:
         self._watch(SlipEstimate, "slip", slip_from_message, self.state.note_slip, _NEWEST)
         self._watch(Trajectory, "reference_trajectory", trajectory_from_message, self.state.note_reference, _NEWEST)
         self._watch(GoalReached, "goal_reached", goal_reached_from_message, self.state.note_goal, _LATCHED)
+        self._diagnostics = self._node.create_subscription(DiagnosticArray, "diagnostics", _never_called, 200)
+        self._heard: dict[str, dict[str, int]] = {}
         for layer in ("upper", "lower"):
             self._watch(
                 SolverStatus, f"{layer}_nmpc/status", solver_status_from_message, self.state.note_status, _NEWEST
@@ -66,14 +70,10 @@ class GraphMonitor:
     def refresh(self) -> LiveState:
         """The state after the newest messages."""
         for subscription, convert, note in self._sources:
-            with subscription.handle:
-                taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
-            if taken is None:
-                continue
-            try:
-                note(convert(taken[0]))
-            except RejectedMessage:
-                continue  # the nodes and the recorder count these
+            for message in self._take_all(subscription):
+                # What is rejected here is counted by the nodes and the recorder.
+                with contextlib.suppress(RejectedMessage):
+                    note(convert(message))
         return self.state
 
     def missing(self, nodes: tuple[NodePlan, ...]) -> list[str]:
@@ -84,6 +84,24 @@ class GraphMonitor:
             subscribed = [topic for topic in node.entry.subscribes if not self._has_endpoint(node.name, topic, False)]
             if published or subscribed:
                 lacking.append(f"{node.name} ({', '.join([*published, *subscribed])})")
+        return lacking
+
+    def unconnected(self) -> list[str]:
+        """Subscriptions that do not hear every publisher yet, by the word of the nodes themselves, in words.
+
+        An endpoint in the graph is not a connection: nodes find one another in their own time.
+        """
+        for message in self._take_all(self._diagnostics):
+            for status in message.status:
+                node, _, task = status.name.partition(": ")
+                if task == "connections":
+                    self._heard[node] = {pair.key: int(pair.value) for pair in status.values}
+        lacking = []
+        for node in self._plan.nodes:
+            heard = self._heard.get(node.name, {})
+            deaf = [t for t in node.entry.subscribes if heard.get(t, 0) < self._plan.publishers_of(t)]
+            if deaf:
+                lacking.append(f"{node.name} (hears no {', '.join(deaf)})")
         return lacking
 
     def set_playing(self) -> str | None:
@@ -103,6 +121,14 @@ class GraphMonitor:
     ) -> None:
         subscription = self._node.create_subscription(kind, topic, _never_called, qos)
         self._sources.append((subscription, convert, note))
+
+    def _take_all(self, subscription: Any) -> Iterator[Any]:
+        while True:
+            with subscription.handle:
+                taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+            if taken is None:
+                return
+            yield taken[0]
 
     def _has_endpoint(self, node: str, topic: str, publishes: bool) -> bool:
         name = self._plan.full_name(topic)

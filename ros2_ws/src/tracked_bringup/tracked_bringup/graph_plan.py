@@ -66,6 +66,10 @@ class GraphPlan:
         """Whether a node of this name takes part."""
         return any(planned.name == node for planned in self.nodes)
 
+    def publishers_of(self, topic: str) -> int:
+        """How many of the nodes publish a topic, as the table says."""
+        return sum(topic in planned.entry.publishes for planned in self.nodes)
+
     def full_name(self, relative: str) -> str:
         """A relative topic, service or node name within the namespace."""
         return f"/{self.namespace}/{relative}" if self.namespace else f"/{relative}"

@@ -5,6 +5,7 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 from tracked_bringup.console import Console
@@ -13,7 +14,8 @@ from tracked_bringup.live_state import LiveState
 from tracked_bringup.supervisor import GraphFailedError, StopRequest, Supervisor
 from tracked_report.scenario import Fault
 
-MATCH_LIMIT_S = 10.0  # for endpoints, counted from the newest sign of progress
+START_LIMIT_S = 30.0  # for a process to import what it needs and to make its endpoints
+MATCH_LIMIT_S = 10.0  # for endpoints to be connected
 STALL_LIMIT_S = 30.0  # without simulated time going on
 AFTER_GOAL_S = 1.0
 _POLL_S = 0.05
@@ -47,6 +49,10 @@ class Monitor(Protocol):
         """Endpoints that are not there yet."""
         ...
 
+    def unconnected(self) -> list[str]:
+        """Subscriptions that do not hear every publisher yet."""
+        ...
+
     def refresh(self) -> LiveState:
         """State after the newest messages."""
         ...
@@ -69,6 +75,7 @@ class RunSettings:
     open_ended: bool = False
     stop_at_goal: bool = True
     faults: tuple[Fault, ...] = ()
+    start_limit_s: float = START_LIMIT_S
     match_limit_s: float = MATCH_LIMIT_S
     stall_limit_s: float = STALL_LIMIT_S
 
@@ -117,26 +124,28 @@ class VariantRun:
     def _start(self) -> None:
         for order in self._supervisor.orders:
             started = self._supervisor.start(order)
-            self._await_endpoints(tuple(node for process in started for node in process.nodes))
+            nodes = tuple(node for process in started for node in process.nodes)
+            self._await(partial(self._monitor.missing, nodes), "endpoints", self._settings.start_limit_s)
+        self._await(self._monitor.unconnected, "connections", self._settings.match_limit_s)
         if self._plan.has("sim_bridge"):
             refusal = self._monitor.set_playing()
             if refusal:
                 raise RunEndedError(ExitCode.NOT_MATCHED, f"simulated time cannot be started: {refusal}")
 
-    def _await_endpoints(self, nodes: tuple[NodePlan, ...]) -> None:
-        missing = self._monitor.missing(nodes)
+    def _await(self, lacking: Callable[[], list[str]], what: str, limit_s: float) -> None:
+        """Wait until nothing is lacking, at most ``limit_s`` from the newest sign of progress on."""
+        missing = lacking()
         progress_s = self._clock()
         while missing:
-            self._console.status(f"{self._settings.label}  waiting for {len(missing)} of {len(nodes)} nodes")
+            self._console.status(f"{self._settings.label}  waiting for the {what} of {len(missing)} nodes")
             self._supervisor.check(starting=True)
             self._pause(_POLL_S)
-            before, missing = missing, self._monitor.missing(nodes)
+            before, missing = missing, lacking()
             now_s = self._clock()
             if missing != before:
                 progress_s = now_s
-            elif now_s - progress_s > self._settings.match_limit_s:
-                limit = f"{self._settings.match_limit_s:g} s"
-                raise RunEndedError(ExitCode.NOT_MATCHED, f"no endpoints after {limit}: {'; '.join(missing)}")
+            elif now_s - progress_s > limit_s:
+                raise RunEndedError(ExitCode.NOT_MATCHED, f"no {what} after {limit_s:g} s: {'; '.join(missing)}")
 
     def _watch(self) -> LiveState:
         settings = self._settings

@@ -73,6 +73,14 @@ def test_start_and_goal_are_held_with_zero_inputs() -> None:
     assert found[-1].states[:, 0] == pytest.approx(1.0)
 
 
+def test_the_start_does_not_depend_on_lost_first_messages() -> None:
+    starts = set()
+    for first in (1, 2, 30, 59):
+        found = pieces(play(TrajectoryPlayer(PlayerSettings(), line()), first, 130))
+        starts.add(found[-1].stamp_ns + round(1e9 * found[-1].times_s[found[-1].inputs[:, 0] > 0.0][0]))
+    assert len(starts) == 1
+
+
 def test_neighbouring_pieces_agree_where_they_overlap() -> None:
     early, late = pieces(play(TrajectoryPlayer(PlayerSettings(), line()), 0, 130))[-2:]
     offsets = np.linspace(0.2, 2.8, 100)

@@ -9,6 +9,7 @@ import numpy as np
 from tracked_navigation.legs import placed, sample_times
 from tracked_navigation.reference import NamedTrajectory
 from tracked_types import (
+    NANOSECONDS_PER_SECOND,
     GoalReached,
     Odometry,
     PeriodGrid,
@@ -46,7 +47,9 @@ class PlayerSettings:
         "start: the trajectory starts at the pose of the first odometry; odom: it is given in the odometry frame",
         choices=("start", "odom"),
     )
-    start_delay_s: float = setting(1.0, "time at rest before the trajectory starts", unit="s", low=0.0, high=60.0)
+    start_delay_s: float = setting(
+        1.0, "least time at rest before the trajectory starts, at a whole second", unit="s", low=0.0, high=60.0
+    )
     horizon_s: float = setting(3.0, "length of one piece of reference", unit="s", low=0.2, high=60.0)
     spacing_s: float = setting(0.05, "time between two points of a piece", unit="s", low=0.01, high=1.0)
     loop: bool = setting(False, "start over at the end; the trajectory must end where it starts")
@@ -80,7 +83,9 @@ class TrajectoryPlayer:
 
     A piece starts at a 5 Hz instant and is stamped with it; its points lie on one grid with those of the
     pieces before and after, so whoever interpolates gets the same reference from any of them. Before the
-    start the start pose is held, after the end the final pose, both with zero inputs.
+    start the start pose is held, after the end the final pose, both with zero inputs. The start is a whole
+    second of physical time, so that it does not depend on how many messages were lost before everybody
+    knew everybody.
 
     Raises
     ------
@@ -147,8 +152,8 @@ class TrajectoryPlayer:
     def _anchored(self, odometry: Odometry) -> Trajectory:
         origin = odometry.pose if self.settings.anchor == "start" else Pose2(0.0, 0.0, 0.0)
         earliest = odometry.stamp_ns + to_nanoseconds(self.settings.start_delay_s)
-        index = self._grid.index_at(earliest - 1) + 1
-        return placed(self._shape, origin, self._grid.stamp_ns(index), odometry.frame_id)
+        start_ns = -(-earliest // NANOSECONDS_PER_SECOND) * NANOSECONDS_PER_SECOND
+        return placed(self._shape, origin, start_ns, odometry.frame_id)
 
     def _piece(self, track: Trajectory, stamp_ns: int) -> Trajectory:
         elapsed = seconds_between(stamp_ns, track.stamp_ns) + self._offsets_s

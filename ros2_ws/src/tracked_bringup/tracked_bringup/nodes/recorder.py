@@ -10,6 +10,7 @@ from typing import Any
 
 from geometry_msgs.msg import AccelStamped, TwistStamped
 from nav_msgs.msg import Odometry as OdometryMessage
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from tracked_interfaces.msg import GoalReached as GoalMessage
 from tracked_interfaces.msg import SafetyState as SafetyMessage
@@ -41,6 +42,9 @@ PARAMETERS = ParameterTable(
     Parameter("meta_file", "", "JSON file of what the record says of its run; empty: a record without origin"),
     Parameter(*ROBOT_FILE),
 )
+_DEPTH = 1000  # a record must not have holes where this process had to wait for a processor
+_STATE = QoSProfile(depth=_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+_SENSOR = QoSProfile(depth=_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,27 +70,28 @@ class RecorderNode(StackNode):
         self.record_file = Path(self.value("record_file"))
         self.recorder = RunRecorder()
         self.origin = OdomOrigin()
+        self.safety_text = ""
         self.started_s = self.newest_s = math.nan
         radius_m = load_robot(self.value("robot_file")).tracks.wheel_radius_m
         tracks = partial(tracks_from_message, wheel_radius_m=radius_m)
-        self._keep(JointState, "joint_states", tracks, "tracks", qos.SENSOR)
+        self._keep(JointState, "joint_states", tracks, "tracks", _SENSOR)
         self._keep(SlipMessage, "slip", slip_from_message, "slip")
         self._keep(SlipMessage, "ground_truth/slip", slip_from_message, "truth_slip")
         self._keep(TrajectoryMessage, "reference_trajectory", trajectory_from_message, "reference")
         self._keep(TrajectoryMessage, "upper_nmpc/trajectory", trajectory_from_message, "upper_plan")
-        self._keep(TwistStamped, "cmd_vel_nav", command_from_message, "cmd_vel_nav", qos.COMMAND)
-        self._keep(TwistStamped, "cmd_vel", command_from_message, "cmd_vel", qos.COMMAND)
+        self._keep(TwistStamped, "cmd_vel_nav", command_from_message, "cmd_vel_nav", _STATE)
+        self._keep(TwistStamped, "cmd_vel", command_from_message, "cmd_vel", _STATE)
         self._keep(StatusMessage, "upper_nmpc/status", solver_status_from_message, "upper_status")
         self._keep(StatusMessage, "lower_nmpc/status", solver_status_from_message, "lower_status")
         self._keep(GoalMessage, "goal_reached", goal_reached_from_message, "goal_reached", qos.LATCHED)
-        self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.on_odometry, qos.STATE)
-        self.subscribe_typed(OdometryMessage, "ground_truth/odom", body_state_from_message, self.on_truth, qos.STATE)
+        self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.on_odometry, _STATE)
+        self.subscribe_typed(OdometryMessage, "ground_truth/odom", body_state_from_message, self.on_truth, _STATE)
         self.subscribe_typed(
             AccelStamped,
             "ground_truth/acceleration",
             vertical_acceleration_from_message,
             self.on_acceleration,
-            qos.STATE,
+            _STATE,
         )
         self.subscribe_typed(SafetyMessage, "safety/state", self._safety_change, self.on_safety, qos.LATCHED)
 
@@ -107,7 +112,9 @@ class RecorderNode(StackNode):
 
     def on_safety(self, change: _SafetyChange) -> None:
         """What the arbiter does is an event."""
-        self.recorder.add_event(change.stamp_ns, "command_arbiter", change.text)
+        if change.text != self.safety_text:
+            self.safety_text = change.text
+            self.recorder.add_event(change.stamp_ns, "command_arbiter", change.text)
 
     def safe_stop(self) -> None:
         """Write the record."""
@@ -122,7 +129,7 @@ class RecorderNode(StackNode):
         rows = sum(len(channel) for channel in record.channels.values())
         self.get_logger().info(f"{self.record_file}: {rows} rows in {len(record.channels)} channels")
 
-    def _keep(self, kind: type, topic: str, convert: Any, channel: str, profile: Any = qos.STATE) -> None:
+    def _keep(self, kind: type, topic: str, convert: Any, channel: str, profile: Any = _STATE) -> None:
         self.subscribe_typed(kind, topic, convert, partial(self._add, channel), profile)
 
     def _add(self, channel: str, value: Any) -> None:
