@@ -74,6 +74,11 @@ class Simulator:
         """Simulated time at the end of the present tick."""
         return self._grid.stamp_ns((self._steps // self._steps_per_tick + 1) * self._steps_per_tick)
 
+    def warm_up(self) -> None:
+        """Load, and if need be compile, the code of the physics now instead of in the first step."""
+        self.vehicle.step(0.0, 0.0)
+        self.vehicle.reset(self.start)
+
     def submit(self, command: VelocityCommand) -> None:
         """Take a command; it acts at its stamp plus the transport delay.
 

@@ -73,6 +73,12 @@ def test_same_seed_and_commands_give_bit_identical_streams(make):
     assert first != other
 
 
+def test_warming_up_leaves_no_trace(make):
+    cold, warm = make(), make()
+    warm.warm_up()
+    assert digest(drive(cold, 0.3, 0.4)) == digest(drive(warm, 0.3, 0.4))
+
+
 def test_reset_is_as_good_as_new(make):
     fresh, used = make(seed=3), make(seed=9)
     drive(used, 1.2, 0.4, -0.5)

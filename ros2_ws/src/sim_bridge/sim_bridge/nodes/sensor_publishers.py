@@ -28,11 +28,11 @@ class SensorPublishers:
     """Publishes what the sensors deliver at each tick, and the clock.
 
     Everything is offered reliably: in lock-step a lost sample would stall the world. Subscribers that ask for
-    best effort get that.
+    best effort get that. The robot's frame names carry their prefix already.
     """
 
     def __init__(self, node: StackNode, robot: Robot) -> None:
-        base, world = node.frame(robot.frames.base_footprint), node.frame(WORLD_FRAME)
+        base, world = robot.frames.base_footprint, node.frame(WORLD_FRAME)
         joints = partial(
             tracks_to_message,
             wheel_radius_m=robot.tracks.wheel_radius_m,

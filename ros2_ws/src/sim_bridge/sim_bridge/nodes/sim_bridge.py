@@ -17,7 +17,7 @@ from sim_bridge.simulator import Simulator, SimulatorSettings
 from sim_bridge.vehicle import PhysicsDivergedError
 from sim_bridge.world import World, load_world
 from sim_bridge.world_control import WorldControl
-from tracked_description import ROBOT_FILE, load_robot
+from tracked_description import ROBOT_FILE, Robot, load_robot
 from tracked_types import Pose2, Twist2, VelocityCommand
 
 PARAMETERS = ParameterTable.from_settings(
@@ -44,7 +44,7 @@ class SimBridgeNode(StackNode):
 
     def __init__(self) -> None:
         super().__init__()
-        robot, world = load_robot(self.value("robot_file")), load_world(self.value("world"))
+        robot, world = self.prefixed(load_robot(self.value("robot_file"))), load_world(self.value("world"))
         physics = PhysicsSettings(**self.tuning(PhysicsSettings))
         self.simulator = Simulator(
             robot,
@@ -53,6 +53,8 @@ class SimBridgeNode(StackNode):
             seed=self.value("seed"),
             start=self._start_pose(world),
         )
+        # Before there are endpoints: who sees this node may expect its time to run.
+        self.simulator.warm_up()
         self.meter = RealTimeMeter()
         pacer = Pacer(PacingSettings.from_robot(robot, **self.tuning(PacingSettings)))
         self.simulation = RunControl(self.simulator, pacer, SensorPublishers(self, robot).publish)
@@ -71,6 +73,11 @@ class SimBridgeNode(StackNode):
         if len(numbers) != 3 or not all(math.isfinite(number) for number in numbers):
             raise BadParameterError(f"parameter start_pose must be three finite numbers, got {numbers!r}")
         return Pose2(*numbers)
+
+    def prefixed(self, robot: Robot) -> Robot:
+        """The robot with the prefix before its frame names."""
+        frames = robot.frames.model_copy(update={field: self.frame(name) for field, name in robot.frames})
+        return robot.model_copy(update={"frames": frames})
 
     def on_command(self, command: VelocityCommand) -> None:
         """Hand a command to the simulator; node_kit counts refusals with their sender."""

@@ -87,7 +87,7 @@ class SimulationServices:
         response.features = [*self._served, *(f"time_mode {mode}" for mode in TIME_MODES)]
 
     def _get_state(self, _request: Any, response: Any) -> None:
-        states = GetSimulationState.Response
+        states = GetSimulationState.Request
         response.state = states.PAUSED if self._run.paused else states.PLAYING
 
     def _set_state(self, request: Any, _response: Any) -> None:
