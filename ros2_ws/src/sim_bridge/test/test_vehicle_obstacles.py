@@ -136,3 +136,14 @@ def test_kerb_beside_a_turning_robot_does_not_launch_it(make_vehicle, drive):
         state = drive(vehicle, -0.15, 0.15, 0.5)
         assert state.position_m[2] < 0.25
         assert np.abs(state.roll_pitch_yaw_rad[:2]).max() < 0.35
+
+
+@pytest.mark.parametrize("kind", ["qzs", "locked"])
+@pytest.mark.parametrize("world", ["step", "slats", "ramp", "rooms"])
+def test_wild_driving_never_launches_the_robot(make_vehicle, drive, world, kind):
+    vehicle = make_vehicle(world, suspension=kind)
+    for left, right in np.random.default_rng(11).uniform(-0.3, 0.75, (16, 2)).tolist():
+        state = drive(vehicle, left, right, 0.5)
+        assert state.position_m[2] < 0.45
+        assert np.abs(state.velocity_mps).max() < 1.0
+        assert np.abs(state.roll_pitch_yaw_rad[:2]).max() < 0.5

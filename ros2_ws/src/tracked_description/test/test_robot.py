@@ -25,6 +25,7 @@ def test_packaged_robot_loads_and_round_trips(tmp_path):
         ("tracks", "gauge_m", -0.3),
         ("tracks", "gauge_m", float("nan")),
         ("tracks", "wheel_count", 2.5),
+        ("tracks", "idler_x_m", 0.1),
         ("suspension", "kind", "magic"),
         ("limits", "speed_min_mps", 0.1),
         ("lidar", "beams", 0),

@@ -35,6 +35,15 @@ class Tracks(CheckedModel):
     acceleration_limit_mps2: Positive
     force_limit_n: Positive
 
+    @model_validator(mode="after")
+    def _idlers_are_outside(self) -> "Tracks":
+        outermost = 0.5 * (self.wheel_count - 1) * self.wheel_spacing_m
+        if self.idler_x_m <= outermost:
+            raise ValueError(
+                f"idler_x_m must lie beyond the outermost road wheel at {outermost:g} m, got {self.idler_x_m:g}"
+            )
+        return self
+
 
 class Drive(CheckedModel):
     """Speed loop of one belt: what the motor moves, its lag and the gains of its PID."""

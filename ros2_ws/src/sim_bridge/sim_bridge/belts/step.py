@@ -1,12 +1,11 @@
 """One step of the belt-force model: from contacts to the force and torque on the chassis."""
 
-import math
-
 import numpy as np
 
+from sim_bridge.belts.contact_frames import ContactFrames, frame_contacts
 from sim_bridge.belts.drives import drive_belt
 from sim_bridge.belts.ground import assign_friction, touch_floor
-from sim_bridge.belts.normal_load import share_of_nodes, solve_loads
+from sim_bridge.belts.normal_load import solve_loads
 from sim_bridge.belts.parameters import LOCKED, BeltParameters
 from sim_bridge.belts.shear import shear_stress
 from sim_bridge.belts.state import Array, BeltState, Contacts, Workspace
@@ -15,38 +14,6 @@ from sim_bridge.compiled import compiled
 # A normal this close to the lateral axis means that the belt's side touches: it is pushed, but its friction is none
 # of the belt's outer side.
 _SIDEWAYS = 0.7
-
-
-@compiled
-def push(wrench: Array, arm: Array, contacts: Contacts, contact: int, x: float, y: float, z: float) -> None:
-    """Add a force (x, y, z) at ``arm`` from the centre of mass to the wrench."""
-    wrench[0] += x
-    wrench[1] += y
-    wrench[2] += z
-    wrench[3] += arm[contact, 1] * z - arm[contact, 2] * y
-    wrench[4] += arm[contact, 2] * x - arm[contact, 0] * z
-    wrench[5] += arm[contact, 0] * y - arm[contact, 1] * x
-
-
-@compiled
-def tangents(work: Workspace, contacts: Contacts, contact: int, along: Array, across: Array) -> None:
-    """Unit vectors along the belt and across it in the contact's tangent plane."""
-    side, bar = contacts.side[contact], contacts.bar[contact]
-    normal = contacts.normal[contact]
-    lean = 0.0
-    for axis in range(3):
-        along[axis] = work.nodes[side, bar + 1, axis] - work.nodes[side, bar, axis]
-        lean += along[axis] * normal[axis]
-    length = 0.0
-    for axis in range(3):
-        along[axis] -= lean * normal[axis]
-        length += along[axis] ** 2
-    length = math.sqrt(max(length, 1e-12))
-    for axis in range(3):
-        along[axis] /= length
-    across[0] = normal[1] * along[2] - normal[2] * along[1]
-    across[1] = normal[2] * along[0] - normal[0] * along[2]
-    across[2] = normal[0] * along[1] - normal[1] * along[0]
 
 
 @compiled
@@ -69,92 +36,113 @@ def advance_belts(
     """
     count = touch_floor(work, contacts, count)
     assign_friction(p, contacts, count, zones)
-    rotation, wrench = work.rotation, work.wrench
-    bars = work.load.shape[1]
-    arm, slip = np.empty((count, 3)), np.empty((count, 3))
-    approach, ahead, upward = np.empty(count), np.empty(count), np.empty(count)
-    along, across = np.zeros((count, 3)), np.zeros((count, 3))
-    for contact in range(count):
-        normal = contacts.normal[contact]
-        for axis in range(3):
-            arm[contact, axis] = contacts.position[contact, axis] - body[axis]
-        for axis in range(3):
-            nxt, last = (axis + 1) % 3, (axis + 2) % 3
-            turning = body[10 + nxt] * arm[contact, last] - body[10 + last] * arm[contact, nxt]
-            slip[contact, axis] = body[7 + axis] + turning - contacts.surface_velocity[contact, axis]
-        approach[contact] = -(
-            slip[contact, 0] * normal[0] + slip[contact, 1] * normal[1] + slip[contact, 2] * normal[2]
-        )
-        upward[contact] = normal[0] * rotation[0, 2] + normal[1] * rotation[1, 2] + normal[2] * rotation[2, 2]
-        ahead[contact] = share_of_nodes(work, contacts, contact)
-
+    frames = frame_contacts(work, contacts, count, body)
     unit_force = np.empty_like(state.travel)
-    solve_loads(p, state, work, contacts, count, approach, ahead, upward, unit_force, dt)
+    solve_loads(p, state, work, contacts, count, frames, unit_force, dt)
+    work.wrench[:] = 0.0
+    press(p, work, contacts, count, frames)
+    ground_damping = shear(p, state, work, contacts, count, frames, dt)
+    carry_unsprung_mass(p, work)
+    add_unit_forces(p, work, unit_force)
+    for side in range(2):
+        target = left_target if side == 0 else right_target
+        drive_belt(p, state, side, target, work.thrust[side], ground_damping[side], np.sum(work.load[side]), dt)
+    return count
 
-    wrench[:] = 0.0
-    work.load[:] = 0.0
-    work.thrust[:] = 0.0
-    slide, friction = np.zeros((2, bars, 2)), np.zeros((2, bars, 2))
-    gripping = np.zeros(count)
+
+@compiled
+def push(work: Workspace, frames: ContactFrames, contact: int, x: float, y: float, z: float) -> None:
+    """Add a force (x, y, z) at a contact to the wrench about the centre of mass."""
+    wrench, arm = work.wrench, frames.arm[contact]
+    wrench[0] += x
+    wrench[1] += y
+    wrench[2] += z
+    wrench[3] += arm[1] * z - arm[2] * y
+    wrench[4] += arm[2] * x - arm[0] * z
+    wrench[5] += arm[0] * y - arm[1] * x
+
+
+@compiled
+def press(p: BeltParameters, work: Workspace, contacts: Contacts, count: int, frames: ContactFrames) -> None:
+    """Add to the wrench what of the normal loads bypasses the suspension.
+
+    A wheel takes the part along the chassis' z axis; idlers and the wheels' guides pass on the rest.
+    """
+    rotation = work.rotation
+    idler_bar = work.load.shape[1] - 1
     for contact in range(count):
         load, normal = contacts.load[contact], contacts.normal[contact]
-        contacts.force[contact, :] = load * normal
-        if load <= 0.0:
-            continue
-        side, bar = contacts.side[contact], contacts.bar[contact]
-        # A wheel takes the part along the chassis' z axis; idlers and the wheels' guides pass on the rest.
+        for axis in range(3):
+            contacts.force[contact, axis] = load * normal[axis]
         fixed = 1.0
         if p.law != LOCKED:
-            fixed = (ahead[contact] if bar == bars - 1 else 0.0) + (1.0 - ahead[contact] if bar == 0 else 0.0)
-        by_wheel = load * upward[contact] * (1.0 - fixed)
+            fixed = frames.ahead[contact] if contacts.bar[contact] == idler_bar else 0.0
+            if contacts.bar[contact] == 0:
+                fixed += 1.0 - frames.ahead[contact]
+        by_wheel = load * frames.upward[contact] * (1.0 - fixed)
         push(
-            wrench,
-            arm,
-            contacts,
+            work,
+            frames,
             contact,
             load * normal[0] - by_wheel * rotation[0, 2],
             load * normal[1] - by_wheel * rotation[1, 2],
             load * normal[2] - by_wheel * rotation[2, 2],
         )
-        sideways = normal[0] * rotation[0, 1] + normal[1] * rotation[1, 1] + normal[2] * rotation[2, 1]
-        if abs(sideways) > _SIDEWAYS:
+
+
+@compiled
+def shear(
+    p: BeltParameters,
+    state: BeltState,
+    work: Workspace,
+    contacts: Contacts,
+    count: int,
+    frames: ContactFrames,
+    dt: float,
+) -> Array:
+    """Advance the bristles and add their forces to the wrench; (2,) damping of each belt by the ground (N s/m).
+
+    The contacts of one bar share its bristle, each in proportion to its load.
+    """
+    bars = work.load.shape[1]
+    slide, friction, stress = np.zeros((2, bars, 2)), np.zeros((2, bars, 2)), np.zeros((2, bars, 2))
+    damping = np.zeros(2)
+    work.load[:] = 0.0
+    work.thrust[:] = 0.0
+    for contact in range(count):
+        load = contacts.load[contact]
+        if load <= 0.0 or abs(frames.sideways[contact]) > _SIDEWAYS:
             continue
-        gripping[contact] = load
-        tangents(work, contacts, contact, along[contact], across[contact])
+        side, bar = contacts.side[contact], contacts.bar[contact]
         work.load[side, bar] += load
         for axis in range(3):
-            slide[side, bar, 0] += load * slip[contact, axis] * along[contact, axis]
-            slide[side, bar, 1] += load * slip[contact, axis] * across[contact, axis]
-        friction[side, bar, 0] += load * contacts.friction[contact, 0]
-        friction[side, bar, 1] += load * contacts.friction[contact, 1]
+            slide[side, bar, 0] += load * frames.slip[contact, axis] * frames.along[contact, axis]
+            slide[side, bar, 1] += load * frames.slip[contact, axis] * frames.across[contact, axis]
+        for axis in range(2):
+            friction[side, bar, axis] += load * contacts.friction[contact, axis]
     for side in range(2):
         for bar in range(bars):
             if work.load[side, bar] > 0.0:
-                slide[side, bar] /= work.load[side, bar]
+                for axis in range(2):
+                    slide[side, bar, axis] /= work.load[side, bar]
+                    friction[side, bar, axis] /= work.load[side, bar]
                 slide[side, bar, 0] -= state.belt_speed[side]
-                friction[side, bar] /= work.load[side, bar]
-
-    stress, damping = np.zeros((2, bars, 2)), np.zeros(2)
     shear_stress(p, state, work.load, slide, friction, stress, damping, dt)
     for contact in range(count):
-        if gripping[contact] <= 0.0:
+        load = contacts.load[contact]
+        if load <= 0.0 or abs(frames.sideways[contact]) > _SIDEWAYS:
             continue
         side, bar = contacts.side[contact], contacts.bar[contact]
-        first, second = gripping[contact] * stress[side, bar, 0], gripping[contact] * stress[side, bar, 1]
+        first, second = load * stress[side, bar, 0], load * stress[side, bar, 1]
         work.thrust[side] += first
-        x = first * along[contact, 0] + second * across[contact, 0]
-        y = first * along[contact, 1] + second * across[contact, 1]
-        z = first * along[contact, 2] + second * across[contact, 2]
-        push(wrench, arm, contacts, contact, x, y, z)
+        x = first * frames.along[contact, 0] + second * frames.across[contact, 0]
+        y = first * frames.along[contact, 1] + second * frames.across[contact, 1]
+        z = first * frames.along[contact, 2] + second * frames.across[contact, 2]
+        push(work, frames, contact, x, y, z)
         contacts.force[contact, 0] += x
         contacts.force[contact, 1] += y
         contacts.force[contact, 2] += z
-
-    carry_unsprung_mass(p, work)
-    add_unit_forces(p, work, unit_force)
-    drive_belt(p, state, 0, left_target, work.thrust[0], damping[0], np.sum(work.load[0]), dt)
-    drive_belt(p, state, 1, right_target, work.thrust[1], damping[1], np.sum(work.load[1]), dt)
-    return count
+    return damping
 
 
 @compiled
