@@ -44,7 +44,7 @@ class GraphMonitor:
     def __init__(self, plan: GraphPlan, domain: int) -> None:
         self._plan = plan
         self._context = Context()
-        rclpy.init(context=self._context, domain_id=domain)
+        rclpy.init(args=[], context=self._context, domain_id=domain)
         self._node = Node(
             "bringup", context=self._context, namespace=plan.namespace or None, start_parameter_services=False
         )
