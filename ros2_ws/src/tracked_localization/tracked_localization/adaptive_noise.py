@@ -1,35 +1,42 @@
-"""How lively a speed is at the moment: process noise that follows the innovations."""
+"""How lively a motion is at the moment: process noise that follows the innovations."""
+
+import math
+
+_MOST = 400.0
+_START = 0.01
 
 
 class AdaptiveNoise:
-    """Intensity of the random walk that drives a speed, learnt from the filter's own surprises.
+    """Intensity of the noise that drives a motion, learnt from the filter's own surprises.
 
-    A robot cruises most of the time and manoeuvres some of it. One fixed intensity would call the
-    filter too sure in one state or too timid in the other; the mean squared innovation says which it is.
+    A robot cruises most of the time and manoeuvres some of it. One fixed intensity would make the filter
+    too sure in one state or too timid in the other. Each normalised innovation above 1 raises the
+    intensity, each below lowers it, so that their mean stays at 1 while the intensity is within its bounds.
 
     Parameters
     ----------
-    floor, ceiling: bounds of the intensity, (unit of the speed)^2 / s.
-    memory: number of innovations over which the mean is taken.
+    floor, ceiling: bounds of the intensity.
+    rate: change of its logarithm per unit of surprise.
     """
 
-    def __init__(self, floor: float, ceiling: float, memory: float) -> None:
-        self._floor = floor
-        self._ceiling = ceiling
-        self._weight = 1.0 / memory
-        self._mean = ceiling
-        self.intensity = ceiling
+    def __init__(self, floor: float, ceiling: float, rate: float) -> None:
+        self._lowest = math.log(floor)
+        self._highest = math.log(ceiling)
+        self._rate = rate
+        self.restart()
 
     def restart(self) -> None:
-        """Forget: anything may happen next."""
-        self._mean = self.intensity = self._ceiling
+        """Forget: the next moments are neither rest nor the wildest manoeuvre."""
+        self._level = self._highest + math.log(_START)
+        self.intensity = math.exp(self._level)
 
-    def observe(self, squared_innovation: float, variance: float, gain: float) -> None:
-        """Learn from one innovation.
+    def expect_anything(self) -> None:
+        """Nobody watches this motion: it may do its worst."""
+        self._level = self._highest
+        self.intensity = math.exp(self._level)
 
-        ``variance`` is what the filter expected, of which ``gain`` times the intensity came from this noise.
-        """
-        # Unbiased for the intensity, hence negative at times; only its mean is clipped.
-        sample = self.intensity + (squared_innovation - variance) / gain
-        self._mean += self._weight * (min(sample, 4.0 * self._ceiling) - self._mean)
-        self.intensity = min(max(self._mean, self._floor), self._ceiling)
+    def observe(self, normalised_square: float) -> None:
+        """Learn from one innovation, squared and divided by the variance that the filter expected."""
+        self._level += self._rate * (min(normalised_square, _MOST) - 1.0)
+        self._level = min(max(self._level, self._lowest), self._highest)
+        self.intensity = math.exp(self._level)

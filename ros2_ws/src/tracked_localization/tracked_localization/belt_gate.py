@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from tracked_localization.health import Fault
 from tracked_localization.settings import OdometryFilterSettings
+from tracked_localization.suspicion import Suspicion
 from tracked_types import seconds_between
 
 _STUCK_AFTER = 3
@@ -12,7 +13,7 @@ _STUCK_AFTER = 3
 
 @dataclass(frozen=True, slots=True)
 class BeltReading:
-    """Travel of one belt since its counter's last sample, or the reason why it cannot be trusted."""
+    """Travel of one belt since its counter's last sample, None if it is not to be used, and the fault if any."""
 
     travel_m: float | None
     fault: Fault | None = None
@@ -39,6 +40,7 @@ class BeltGate:
         self._credible_ns: int | None = None
         self._still = 0
         self._stuck = False
+        self._suspicion = Suspicion()
 
     def update(self, stamp_ns: int, travel_m: float) -> BeltReading:
         """Judge the counter's next value."""
@@ -54,11 +56,14 @@ class BeltGate:
             self._stuck = self._still > 0
             # The first count after a pause may hold the travel of the pause: not credible yet either way.
             return BeltReading(None, Fault.STUCK)
-        fault = self._fault(moved, duration, stamp_ns)
-        if fault is not None:
-            return BeltReading(None, fault)
-        self._speed_mps, self._credible_ns = moved / duration, stamp_ns
-        return BeltReading(moved)
+        excess = self._excess(moved, duration, stamp_ns)
+        if excess <= 1.0:
+            self._speed_mps, self._credible_ns = moved / duration, stamp_ns
+            return BeltReading(moved)
+        self._stuck = self._still >= _STUCK_AFTER
+        if self._stuck:
+            return BeltReading(None, Fault.STUCK)
+        return BeltReading(None, Fault.JUMP if self._suspicion.refused(stamp_ns, excess) else None)
 
     def declare_stuck(self) -> None:
         """Another witness says that this belt moves."""
@@ -69,17 +74,15 @@ class BeltGate:
         """Number of samples in a row that were identical."""
         return self._still
 
-    def _fault(self, moved: float, duration: float, stamp_ns: int) -> Fault | None:
+    def _excess(self, moved: float, duration: float, stamp_ns: int) -> float:
+        """Squared surprise in units of the gate; beyond 1 it is refused."""
         settings = self._settings
         if abs(moved) > 2.0 * settings.belt_speed_limit_mps * duration + 2.0 * settings.encoder_tick_m:
-            return Fault.JUMP
+            return math.inf
         if self._credible_ns is None:
-            return None
+            return 0.0
         age = seconds_between(stamp_ns, self._credible_ns)
         manoeuvre = 0.5 * settings.belt_acceleration_mps2 * age * duration
         surprise = moved - self._speed_mps * duration
-        if surprise * surprise <= settings.gate_chi_square * (2.0 * self._rounding + manoeuvre * manoeuvre):
-            return None
-        if self._still >= _STUCK_AFTER:
-            self._stuck = True
-        return Fault.STUCK if self._stuck else Fault.JUMP
+        variance = 2.0 * self._rounding + manoeuvre * manoeuvre
+        return surprise * surprise / (settings.gate_chi_square * variance)

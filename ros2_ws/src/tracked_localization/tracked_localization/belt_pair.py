@@ -7,9 +7,10 @@ from tracked_localization.health import LEFT_TRACK, RIGHT_TRACK, Fault
 from tracked_localization.settings import OdometryFilterSettings
 from tracked_types import TrackSample, seconds_between
 
-_CROSS_CHECK_S = 0.35
-_CROSS_CHECK_SPEED_MPS = 0.1
+_CHECK_S = 0.35
+_LEAST_SPEED_MPS = 0.1
 _LEAST_YAW_SHARE = 0.3
+_REST_RATE_RADPS = 0.25
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,34 +23,44 @@ class BeltMotion:
     right_m: float | None
     faults: tuple[tuple[str, Fault], ...]
 
-    def yaw_rate_radps(self, gauge_m: float) -> float | None:
-        """Mean yaw rate that the belts ask for."""
+    def turn_rad(self, gauge_m: float) -> float:
+        """Turn that the belts ask for; zero if they are not both credible."""
         if self.left_m is None or self.right_m is None:
-            return None
-        return (self.right_m - self.left_m) / (gauge_m * self.duration_s)
+            return 0.0
+        return (self.right_m - self.left_m) / gauge_m
+
+
+@dataclass(slots=True)
+class _Check:
+    """Difference of the belts' travel and turn of the body while the same counters (left, right) stood still."""
+
+    still: tuple[bool, bool] = (False, False)
+    difference_m: float = 0.0
+    duration_s: float = 0.0
+    turned_rad: float = 0.0
 
 
 class BeltPair:
     """Judges both counters and cross-checks them against the gyro.
 
-    A counter that got stuck at rest shows no jump. If one belt counts nothing at all while the other
-    runs, the body must pivot; if the gyro does not see it turn, the silent counter is stuck.
+    A counter that got stuck at rest shows no jump. If one belt counts nothing at all while the other runs,
+    or neither does, and the gyro does not turn as that would have it, the silent counters are stuck.
+    (Both stuck at rest and then straight on is the one case that no turn betrays.)
     """
 
     def __init__(self, settings: OdometryFilterSettings) -> None:
         self._settings = settings
         self._left = BeltGate(settings)
         self._right = BeltGate(settings)
-        self.restart()
+        self._last_ns: int | None = None
+        self._check = _Check()
 
     def restart(self) -> None:
         """Forget both counters."""
         self._left.restart()
         self._right.restart()
-        self._last_ns: int | None = None
-        self._pivot_m = 0.0
-        self._pivot_s = 0.0
-        self._turned_rad = 0.0
+        self._last_ns = None
+        self._check = _Check()
 
     def update(self, sample: TrackSample, yaw_rate_radps: float | None) -> BeltMotion:
         """Judge one sample; ``yaw_rate_radps`` is the gyro's mean rate since the last one, if it is known."""
@@ -57,7 +68,8 @@ class BeltPair:
         right = self._right.update(sample.stamp_ns, sample.right_travel_m)
         duration = seconds_between(sample.stamp_ns, self._last_ns) if self._last_ns is not None else 0.0
         self._last_ns = sample.stamp_ns
-        left, right = self._cross_check(left, right, duration, yaw_rate_radps)
+        if self._contradicted(left, right, duration, yaw_rate_radps):
+            left, right = _still_is_stuck(left, self._left), _still_is_stuck(right, self._right)
         faults = ((LEFT_TRACK, left.fault), (RIGHT_TRACK, right.fault))
         return BeltMotion(
             stamp_ns=sample.stamp_ns,
@@ -67,23 +79,29 @@ class BeltPair:
             faults=tuple((sensor, fault) for sensor, fault in faults if fault is not None),
         )
 
-    def _cross_check(
-        self, left: BeltReading, right: BeltReading, duration: float, yaw_rate: float | None
-    ) -> tuple[BeltReading, BeltReading]:
-        one_still = (self._left.still_samples > 0) != (self._right.still_samples > 0)
-        if left.travel_m is None or right.travel_m is None or yaw_rate is None or not one_still:
-            self._pivot_m = self._pivot_s = self._turned_rad = 0.0
-            return left, right
-        self._pivot_m += right.travel_m - left.travel_m
-        self._pivot_s += duration
-        self._turned_rad += yaw_rate * duration
-        if self._pivot_s < _CROSS_CHECK_S or abs(self._pivot_m) < _CROSS_CHECK_SPEED_MPS * self._pivot_s:
-            return left, right
-        if self._turned_rad * self._settings.gauge_m / self._pivot_m >= _LEAST_YAW_SHARE:
-            return left, right
-        stuck = BeltReading(None, Fault.STUCK)
-        if self._left.still_samples > 0:
-            self._left.declare_stuck()
-            return stuck, right
-        self._right.declare_stuck()
-        return left, stuck
+    def _contradicted(self, left: BeltReading, right: BeltReading, duration: float, yaw_rate: float | None) -> bool:
+        """Whether the gyro has contradicted motionless counters for long enough."""
+        still = (self._left.still_samples > 0, self._right.still_samples > 0)
+        if left.travel_m is None or right.travel_m is None or yaw_rate is None or not any(still):
+            self._check = _Check()
+            return False
+        if still != self._check.still:
+            self._check = _Check(still)
+        check = self._check
+        check.difference_m += right.travel_m - left.travel_m
+        check.duration_s += duration
+        check.turned_rad += yaw_rate * duration
+        if check.duration_s < _CHECK_S:
+            return False
+        if all(still):
+            return abs(check.turned_rad) > _REST_RATE_RADPS * check.duration_s
+        if abs(check.difference_m) < _LEAST_SPEED_MPS * check.duration_s:
+            return False
+        return check.turned_rad * self._settings.gauge_m / check.difference_m < _LEAST_YAW_SHARE
+
+
+def _still_is_stuck(reading: BeltReading, gate: BeltGate) -> BeltReading:
+    if gate.still_samples == 0:
+        return reading
+    gate.declare_stuck()
+    return BeltReading(None, Fault.STUCK)

@@ -16,6 +16,7 @@ class TwistStep:
     x_m: float
     y_m: float
     yaw_rad: float
+    arc_m: float
     x_per_yaw: float
     y_per_yaw: float
     x_per_speed: float
@@ -44,6 +45,7 @@ def constant_twist_step(yaw_rad: float, speed_mps: float, yaw_rate_radps: float,
         x_m=chord * cosine,
         y_m=chord * sine,
         yaw_rad=yaw_rate_radps * duration_s,
+        arc_m=speed_mps * duration_s,
         x_per_yaw=-chord * sine,
         y_per_yaw=chord * cosine,
         x_per_speed=reach * cosine,

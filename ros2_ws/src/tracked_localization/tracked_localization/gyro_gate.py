@@ -1,6 +1,5 @@
 """Is what the gyro says possible?"""
 
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +7,7 @@ from numpy.typing import NDArray
 
 from tracked_localization.health import Fault
 from tracked_localization.settings import OdometryFilterSettings
+from tracked_localization.suspicion import Suspicion
 from tracked_types import ImuSample, seconds_between
 
 _RANGE = 5.0
@@ -17,7 +17,7 @@ _LONGEST_MEMORY_S = 1.0
 
 @dataclass(frozen=True, slots=True)
 class GyroReading:
-    """Yaw rate as the gyro gives it, bias included, or the reason why it cannot be trusted."""
+    """Yaw rate as the gyro gives it, bias included, None if it is not to be used, and the fault if any."""
 
     rate_radps: float | None
     fault: Fault | None = None
@@ -43,6 +43,7 @@ class GyroGate:
         self._repeated = 0
         self._credible_ns: int | None = None
         self._probation = 0
+        self._suspicion = Suspicion()
 
     def update(
         self, sample: ImuSample, expected_radps: float, variance: float, belt_yaw_rate_radps: float | None
@@ -51,7 +52,9 @@ class GyroGate:
 
         ``belt_yaw_rate_radps``: what the belts ask for, or None if they are not credible now.
         """
-        if not (np.isfinite(sample.angular_velocity_radps).all() and np.isfinite(sample.linear_acceleration_mps2).all()):
+        if not (
+            np.isfinite(sample.angular_velocity_radps).all() and np.isfinite(sample.linear_acceleration_mps2).all()
+        ):
             return GyroReading(None, Fault.NOT_FINITE)
         rate = float(self._axis @ sample.angular_velocity_radps)
         if self._repeats(sample.angular_velocity_radps):
@@ -59,8 +62,10 @@ class GyroGate:
         if abs(rate) > _RANGE * self._settings.yaw_rate_limit_radps:
             return self._refuse(Fault.IMPLAUSIBLE)
         surprise = rate - expected_radps
-        if surprise * surprise > self._settings.gate_chi_square * (variance + self._manoeuvre(sample.stamp_ns)):
-            return self._refuse(Fault.JUMP)
+        gate = self._settings.gate_chi_square * (variance + self._manoeuvre(sample.stamp_ns))
+        if surprise * surprise > gate:
+            to_blame = self._suspicion.refused(sample.stamp_ns, surprise * surprise / gate)
+            return self._refuse(Fault.JUMP) if to_blame else GyroReading(None)
         if self._probation and belt_yaw_rate_radps is not None:
             if not self._agrees(rate, belt_yaw_rate_radps):
                 return self._refuse(Fault.JUMP)
@@ -78,7 +83,7 @@ class GyroGate:
         if self._credible_ns is None:
             return self._settings.yaw_rate_limit_radps**2
         age = min(seconds_between(stamp_ns, self._credible_ns), _LONGEST_MEMORY_S)
-        return (self._settings.yaw_acceleration_radps2 * age) ** 2
+        return (0.5 * self._settings.body_yaw_acceleration_radps2 * age) ** 2
 
     def _agrees(self, rate: float, belts: float) -> bool:
         share = self._settings.belt_yaw_ratio
@@ -91,5 +96,3 @@ class GyroGate:
             self._repeated = 0
         self._last = angular_velocity
         return self._watch_repetition and self._repeated + 1 >= self._settings.stuck_samples
-
-

@@ -52,11 +52,8 @@ class SampleBuffer:
         self._lead_ns = self._silence_ns // 2
         self.released_ns: int | None = None
         """Nothing at or before this stamp can come any more; None before the first sample."""
-
-    @property
-    def newest_ns(self) -> int | None:
+        self.newest_ns: int | None = None
         """Newest stamp of any stream on the time line."""
-        return max((stream.newest_ns for stream in self._streams if stream.newest_ns is not None), default=None)
 
     def silent(self, index: int) -> bool:
         """Whether the stream has said nothing for so long that nobody waits for it."""
@@ -64,18 +61,11 @@ class SampleBuffer:
 
     def silence_ns(self, index: int) -> int:
         """For how long the stream has been silent, measured by the newest stamp of all."""
-        newest = self.newest_ns
-        return 0 if newest is None else newest - self._streams[index].heard_ns
+        return 0 if self.newest_ns is None else self.newest_ns - self._streams[index].heard_ns
 
     def loss(self, index: int) -> float:
         """Share of the stream's samples that went missing lately."""
         return self._streams[index].loss
-
-    def clear(self) -> None:
-        """Forget everything; the next sample starts a new time line."""
-        for stream in self._streams:
-            stream.restart(None)
-        self.released_ns = None
 
     def add(self, index: int, stamp_ns: int, sample: Any) -> Arrival:
         """Take in one sample of stream ``index``."""
@@ -93,7 +83,7 @@ class SampleBuffer:
             return Arrival.LATE
         garbage = any(held_ns > stamp_ns for held_ns, _ in stream.held)
         stream.held.clear()
-        if not stream.queue(stamp_ns, sample):
+        if not self._queue(stream, stamp_ns, sample):
             return Arrival.DUPLICATE
         return Arrival.QUEUED_AFTER_GARBAGE if garbage else Arrival.QUEUED
 
@@ -121,11 +111,17 @@ class SampleBuffer:
         self._start(first_ns)
         for each in self._streams:
             for stamp, value in continued[id(each)]:
-                each.queue(stamp, value)
+                self._queue(each, stamp, value)
         return Arrival.TIME_JUMPED
+
+    def _queue(self, stream: SampleStream, stamp_ns: int, sample: Any) -> bool:
+        if self.newest_ns is None or stamp_ns > self.newest_ns:
+            self.newest_ns = stamp_ns
+        return stream.queue(stamp_ns, sample)
 
     def _start(self, first_ns: int) -> None:
         # One nanosecond earlier, so that the first sample itself is still to come.
         self.released_ns = first_ns - 1
+        self.newest_ns = None
         for stream in self._streams:
             stream.restart(first_ns - 1)

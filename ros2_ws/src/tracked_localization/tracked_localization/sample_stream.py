@@ -25,13 +25,13 @@ class SampleStream:
         self.frontier_ns = 0
         self.loss = 0.0
 
-    def restart(self, start_ns: int | None) -> None:
+    def restart(self, start_ns: int) -> None:
         """Begin a new time line just after ``start_ns``."""
         self._pending.clear()
         self._released.clear()
         self.held.clear()
         self.newest_ns = None
-        self.heard_ns = self.frontier_ns = start_ns or 0
+        self.heard_ns = self.frontier_ns = start_ns
         self.loss = 0.0
 
     def queue(self, stamp_ns: int, sample: Any) -> bool:

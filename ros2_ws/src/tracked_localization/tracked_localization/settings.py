@@ -24,7 +24,6 @@ class OdometryFilterSettings:
     belt_speed_limit_mps: float
     belt_acceleration_mps2: float
     yaw_rate_limit_radps: float
-    yaw_acceleration_radps2: float
     gyro_noise_radps: float
     gyro_bias_walk_radps_sqrt_s: float
     imu_rate_hz: int
@@ -50,7 +49,11 @@ class OdometryFilterSettings:
         12, "identical samples in a row after which a gyro is called stuck; 0: never", low=0, high=1000
     )
     standstill_s: float = setting(
-        0.25, "belts and gyro must be quiet for this long before the robot is said to stand", unit="s", low=0.05, high=5.0
+        0.25,
+        "belts and gyro must be quiet for this long before the robot is said to stand",
+        unit="s",
+        low=0.05,
+        high=5.0,
     )
     initial_gyro_bias_deviation_radps: float = setting(
         0.02, "how far from zero a gyro's bias is at start (one sigma)", unit="rad/s", low=1e-5, high=1.0
@@ -64,23 +67,22 @@ class OdometryFilterSettings:
     lateral_slip_m: float = setting(
         0.02, "sideways speed per yaw rate (one sigma); no sensor sees it", unit="m", low=0.0, high=1.0
     )
-    slip_correlation_s: float = setting(
-        0.5, "time over which unseen slip stays alike", unit="s", low=0.01, high=60.0
-    )
+    slip_correlation_s: float = setting(0.5, "time over which unseen slip stays alike", unit="s", low=0.01, high=60.0)
     belt_yaw_ratio: float = setting(
         0.82, "yaw rate of the body per yaw rate of the belts, used only while the gyro fails", low=0.1, high=1.0
     )
-    belt_yaw_ratio_deviation: float = setting(
-        0.2, "uncertainty of that ratio (one sigma)", low=0.01, high=1.0
-    )
+    belt_yaw_ratio_deviation: float = setting(0.2, "uncertainty of that ratio (one sigma)", low=0.01, high=1.0)
 
     def __post_init__(self) -> None:
         check_settings(self)
 
+    @property
+    def body_yaw_acceleration_radps2(self) -> float:
+        """Yaw acceleration when both belts change their speed in opposite directions as fast as they can."""
+        return 2.0 * self.belt_acceleration_mps2 / self.gauge_m
+
     @classmethod
-    def from_robot(
-        cls, robot: Robot, slip: SlipSettings | None = None, **tuning: Any
-    ) -> "OdometryFilterSettings":
+    def from_robot(cls, robot: Robot, slip: SlipSettings | None = None, **tuning: Any) -> "OdometryFilterSettings":
         """Settings for ``robot``; ``slip`` defaults to that of the robot, ``tuning`` are values of the tunable fields.
 
         Raises
@@ -97,7 +99,6 @@ class OdometryFilterSettings:
             belt_speed_limit_mps=robot.tracks.speed_limit_mps,
             belt_acceleration_mps2=robot.tracks.acceleration_limit_mps2,
             yaw_rate_limit_radps=robot.limits.yaw_rate_max_radps,
-            yaw_acceleration_radps2=robot.limits.yaw_acceleration_radps2,
             gyro_noise_radps=robot.imu.gyro_noise_radps,
             gyro_bias_walk_radps_sqrt_s=robot.imu.gyro_bias_walk_radps_sqrt_s,
             imu_rate_hz=robot.imu.rate_hz,

@@ -1,10 +1,10 @@
 """Slip of a track pair from measured belt speeds and gyro."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tracked_description import Robot
-from tracked_types import Slip
+from tracked_types import Slip, seconds_between
 from tracked_types.setting import check_settings, setting
 
 
@@ -87,3 +87,10 @@ class SlipEstimator:
 def unknown_slip(stamp_ns: int) -> Slip:
     """Slip when nothing witnesses it: standstill, or a sensor fails."""
     return Slip(stamp_ns, 0.0, 0.0, 0.0, 0.0, known=False)
+
+
+def slip_at(slip: Slip, instant_ns: int, longest_age_s: float) -> Slip:
+    """``slip`` as it still holds at ``instant_ns``, or unknown slip if it is older than ``longest_age_s``."""
+    if not 0.0 <= seconds_between(instant_ns, slip.stamp_ns) <= longest_age_s:
+        return unknown_slip(instant_ns)
+    return slip if slip.stamp_ns == instant_ns else replace(slip, stamp_ns=instant_ns)

@@ -1,0 +1,38 @@
+"""Layout of the filter's state vector, and what its covariance may look like."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+X, Y, YAW, SPEED, YAW_RATE, BIAS, ROLLED, ACCELERATION, YAW_ACCELERATION = range(9)
+SIZE = 9
+
+_FLOOR = 1e-12
+_CEILING = np.array([1e4, 1e4, 1e2, 1.0, 10.0, 1e-2, 1e2, 1e2, 1e3])
+
+
+def row(*ones: int) -> Array:
+    """Measurement row (1, 9) that sums these components."""
+    selection = np.zeros((1, SIZE))
+    selection[0, list(ones)] = 1.0
+    return selection
+
+
+def keep_positive_definite(covariance: Array) -> None:
+    """Make a covariance (9, 9) symmetric, bounded and safely positive definite, in place."""
+    covariance += covariance.T
+    covariance *= 0.5
+    diagonal = covariance.diagonal()
+    if (diagonal > _CEILING).any():
+        # Scaling rows and columns alike keeps a matrix positive definite; clipping its diagonal does not.
+        scale = np.sqrt(np.minimum(1.0, _CEILING / diagonal))
+        covariance *= scale[:, None] * scale
+    covariance.flat[:: SIZE + 1] += _FLOOR
+
+
+def forget(covariance: Array, component: int, variance: float) -> None:
+    """Make one component independent of the others, with a new variance, in place."""
+    covariance[component, :] = 0.0
+    covariance[:, component] = 0.0
+    covariance[component, component] = variance
