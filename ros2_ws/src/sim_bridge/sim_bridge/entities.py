@@ -33,7 +33,7 @@ class Entities:
 
     For the belts, in the order of `names`: ``boxes`` (entities, 6) holds axis-aligned bounding boxes, lower and upper
     corner; ``shapes`` (entities, 15) centre, rotation (row by row) and half extents, which are zero unless the entity
-    is a box. Only movable bodies' rows change between spawns.
+    is a box. Only movable bodies' rows change between spawns. ``revision`` counts spawns and deletions.
     """
 
     def __init__(self, client: int) -> None:
@@ -43,6 +43,7 @@ class Entities:
         self._bodies: list[int] = []
         self._frictions: list[tuple[float, float]] = []
         self._movable: list[int] = []
+        self.revision = 0
         self.boxes: Array = np.zeros((0, 6))
         self.shapes: Array = np.zeros((0, 15))
 
@@ -67,12 +68,14 @@ class Entities:
             raise EntityError(f"there is already an entity {solid.name!r}")
         self._ids[solid.name] = create_solid(self._client, solid)
         self._solids[solid.name] = solid
+        self.revision += 1
         self._index()
 
     def delete(self, name: str) -> None:
         """Remove a body; raises EntityError if there is none of this name."""
         pybullet.removeBody(self._id(name), physicsClientId=self._client)
         del self._ids[name], self._solids[name]
+        self.revision += 1
         self._index()
 
     def state(self, name: str) -> EntityState:
@@ -114,8 +117,13 @@ class Entities:
         return index in self._movable
 
     def refresh(self) -> None:
-        """Follow the movable bodies with `boxes`."""
+        """Follow the movable bodies with `boxes` and `shapes`."""
         for index in self._movable:
+            self._measure(index)
+
+    def refresh_all(self) -> None:
+        """Follow every body, after something else than a step has moved them."""
+        for index in range(len(self._bodies)):
             self._measure(index)
 
     def _id(self, name: str) -> int:

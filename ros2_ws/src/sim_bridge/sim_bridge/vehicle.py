@@ -39,7 +39,8 @@ class Snapshot:
     bullet_state: int
     belts: BeltState
     step_index: int
-    entities: tuple[str, ...]
+    entities: Entities
+    revision: int
     suspension: SuspensionKind
     friction: GroundFriction
 
@@ -69,6 +70,8 @@ class Vehicle:
         self._kind = self.settings.suspension_kind(robot)
         self._parameters = self._parameters_for(self._kind)
         self.client: int = pybullet.connect(pybullet.DIRECT)
+        if self.client < 0:
+            raise RuntimeError("Bullet has no room for another world; close() those no longer needed")
         self._wheels = robot.tracks.wheel_count
         self._build(start or world.start())
 
@@ -228,22 +231,31 @@ class Vehicle:
     def snapshot(self) -> Snapshot:
         """Save this instant. Give it back to `discard` when it is no longer needed."""
         saved: int = pybullet.saveState(physicsClientId=self.client)
-        return Snapshot(saved, self._belts.copy(), self.step_index, self.entities.names, self._kind, self._friction)
+        return Snapshot(
+            bullet_state=saved,
+            belts=self._belts.copy(),
+            step_index=self.step_index,
+            entities=self.entities,
+            revision=self.entities.revision,
+            suspension=self._kind,
+            friction=self._friction,
+        )
 
     def restore(self, snapshot: Snapshot) -> None:
         """Return to a saved instant; what follows is bit-identical to what followed it.
 
         Raises
         ------
-        ValueError: if entities were spawned or deleted since.
+        ValueError: if entities were spawned or deleted since, or the vehicle was reset.
         """
-        if snapshot.entities != self.entities.names:
-            raise ValueError("entities were spawned or deleted since the snapshot")
+        if snapshot.entities is not self.entities or snapshot.revision != self.entities.revision:
+            raise ValueError("entities were spawned or deleted, or the vehicle was reset, since the snapshot")
         pybullet.restoreState(stateId=snapshot.bullet_state, physicsClientId=self.client)
         self._belts.assign(snapshot.belts)
         self._kind, self._friction, self.step_index = snapshot.suspension, snapshot.friction, snapshot.step_index
         self._parameters = self._parameters_for(self._kind)
         self._apply_friction()
+        self.entities.refresh_all()
         self._read_chassis()
 
     def discard(self, snapshot: Snapshot) -> None:

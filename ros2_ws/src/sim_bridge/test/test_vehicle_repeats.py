@@ -5,6 +5,7 @@ import hashlib
 import numpy as np
 import pytest
 
+from sim_bridge.entities import EntityState
 from sim_bridge.solids import Friction, Solid
 from tracked_types import Pose2
 
@@ -73,6 +74,33 @@ def test_snapshot_of_another_set_of_bodies_is_refused(make_vehicle):
     vehicle.entities.spawn(Solid("extra", "box", (0.2, 0.2, 0.2), (2.0, 0.0, 0.1)))
     with pytest.raises(ValueError, match="spawned or deleted"):
         vehicle.restore(snapshot)
+
+
+def test_snapshot_is_refused_when_a_body_of_the_same_name_is_another_one(make_vehicle):
+    vehicle = make_vehicle()
+    crate = Solid("crate", "box", (0.2, 0.2, 0.2), (2.0, 0.0, 0.1))
+    vehicle.entities.spawn(crate)
+    snapshot = vehicle.snapshot()
+    vehicle.entities.delete("crate")
+    vehicle.entities.spawn(crate)
+    with pytest.raises(ValueError, match="spawned or deleted"):
+        vehicle.restore(snapshot)
+
+
+def test_snapshot_from_before_a_reset_is_refused(make_vehicle):
+    vehicle = make_vehicle()
+    snapshot = vehicle.snapshot()
+    vehicle.reset()
+    with pytest.raises(ValueError, match="reset"):
+        vehicle.restore(snapshot)
+
+
+def test_restored_snapshot_puts_moved_obstacles_back(make_vehicle, drive):
+    vehicle = make_vehicle("step")
+    snapshot = vehicle.snapshot()
+    vehicle.entities.set_state("step", EntityState((9.0, 9.0, 0.02), (0.0, 0.0, 0.0)))
+    vehicle.restore(snapshot)
+    assert drive(vehicle, 0.5, 0.5, 2.8).roll_pitch_yaw_rad[1] < -0.05
 
 
 def test_teleport_leaves_encoders_and_world_alone(make_vehicle, drive):

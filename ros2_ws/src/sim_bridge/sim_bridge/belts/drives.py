@@ -24,9 +24,9 @@ def drive_belt(
     """Advance one belt by ``dt`` towards a target speed (m/s).
 
     The target is limited in rate and passed through the response that controllers count on; a PID, helped by the force
-    that the set-point's acceleration needs on firm ground, with a force limit and the motor's lag then moves the belt,
-    which the ground holds back by ``thrust`` (N) and rolling resistance by a
-    share of the ``load`` (N) on the belt. ``ground_damping`` (N s/m) makes the step linearly implicit.
+    that the set-point's acceleration needs on firm ground, with a force limit and the motor's lag then moves the belt.
+    The ground holds it back by ``thrust`` (N), rolling resistance by a share of the ``load`` (N) on the belt;
+    ``ground_damping`` (N s/m) makes the step linearly implicit.
     """
     reach = p.drive_acceleration * dt
     target = min(max(target, -p.drive_speed), p.drive_speed)
