@@ -5,7 +5,7 @@ import signal
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import TwistStamped
+from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, JointState, LaserScan
@@ -96,6 +96,20 @@ def test_commands_drive_it_and_silence_stops_it(probe, start_node):
     silent_since = answered[-1]
     probe.wait_until(lambda: abs(truth[-1].twist.twist.linear.x) < 0.02, what="the robot at rest")
     assert stamp_ns(truth[-1]) - silent_since < 1_000_000_000
+
+
+def test_plain_twists_drive_a_robot_in_a_namespace(probe, start_node):
+    truth = probe.collect(Odometry, "/robot1/ground_truth/odom", QUEUE)
+    start_node(*NODE, "-r", "__ns:=/robot1", *parameters(stamped_commands="false"))
+    publisher = probe.node.create_publisher(Twist, "/robot1/cmd_vel", QUEUE)
+    twist = Twist()
+    twist.angular.z = 0.8
+
+    def turning():
+        publisher.publish(twist)
+        return truth and truth[-1].twist.twist.angular.z > 0.5
+
+    probe.wait_until(turning, timeout_s=START_LIMIT_S, what="the robot turning")
 
 
 def test_bad_commands_are_refused_and_told_with_their_sender(probe, start_node):

@@ -13,7 +13,7 @@ Sample = TypeVar("Sample")
 
 @dataclass(frozen=True, slots=True)
 class Disturbance:
-    """Sum of the faults that act on one sample; ``bias`` and ``jump`` in the units of `faults.MAGNITUDE_UNITS`."""
+    """Sum of the faults that act on one sample; ``bias`` and ``jump`` in the units of `faults.Fault`."""
 
     frozen: bool = False
     bias: float = 0.0

@@ -11,16 +11,6 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 
 LONGEST_DELAY_S = 10.0
 
-MAGNITUDE_UNITS: dict[Kind, str] = {
-    "freeze": "",
-    "bias": "rad/s about z (imu), m/s (tracks), m (scan)",
-    "blackout": "",
-    "dropout": "share of the samples lost, 0 to 1",
-    "delay": "s",
-    "nan": "",
-    "jump": "rad/s about z (imu), m (tracks, scan)",
-}
-
 
 class FaultRefused(ValueError):
     """A fault makes no sense; the text names what was expected."""
@@ -33,6 +23,8 @@ class Fault:
     kind: ``freeze`` repeats the last value under new stamps; ``bias`` adds ``magnitude``; ``jump`` adds it
     with a random sign, drawn anew for each sample; ``nan`` replaces every number; ``blackout`` sends
     nothing; ``dropout`` loses that share of the samples; ``delay`` delivers late, with the true stamp.
+    magnitude: of a bias rad/s about z (imu), m/s (tracks) or m (scan); of a jump rad/s about z (imu) or m
+    (tracks, scan); of a dropout the share, 0 to 1; of a delay s.
 
     Raises
     ------

@@ -77,6 +77,10 @@ class Pacer:
             return self._paced(stamp_ns, next_stamp_ns, wall_s)
         return self._locked(next_stamp_ns, newest_command_ns, wall_s)
 
+    def waited_s(self, wall_s: float) -> float:
+        """How long lock-step has been waiting for a command, 0 if it is not."""
+        return 0.0 if self._waiting_since_s is None else wall_s - self._waiting_since_s
+
     def _paced(self, stamp_ns: int, next_stamp_ns: int, wall_s: float) -> float:
         if self._anchor is None or self._lag_s(self._anchor, stamp_ns, wall_s) > _CATCH_UP_S:
             self._anchor = (stamp_ns, wall_s)
@@ -92,7 +96,7 @@ class Pacer:
             return 0.0
         if self._waiting_since_s is None:
             self._waiting_since_s = wall_s
-        waited_s = wall_s - self._waiting_since_s
+        waited_s = self.waited_s(wall_s)
         if waited_s > self._settings.lock_step_limit_s:
             raise LockStalled(
                 f"lock-step: no command for {waited_s:.1f} s of wall time; simulated time stands before "

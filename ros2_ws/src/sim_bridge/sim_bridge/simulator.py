@@ -10,6 +10,7 @@ from sim_bridge.sensor_suite import SensorBatch, SensorSuite, VehicleMotion
 from sim_bridge.sensors.lidar import SCAN_MODES
 from sim_bridge.sensors.mounting import PointMotion
 from sim_bridge.sensors.rays import cast_rays
+from sim_bridge.track_speeds import track_targets
 from sim_bridge.vehicle import Vehicle
 from sim_bridge.world import World
 from tracked_description import Robot
@@ -97,8 +98,7 @@ class Simulator:
     def step(self) -> SensorBatch | None:
         """One step of the physics; at the end of a tick, what the sensors deliver."""
         twist = self.intake.update(self.stamp_ns, self.step_s)
-        half_difference = 0.5 * self.robot.tracks.gauge_m * twist.yaw_rate_radps
-        self.vehicle.step(twist.speed_mps - half_difference, twist.speed_mps + half_difference)
+        self.vehicle.step(*track_targets(twist, self.robot.tracks))
         self._steps += 1
         tick, rest = divmod(self._steps, self._steps_per_tick)
         if rest:

@@ -84,6 +84,7 @@ def test_lock_step_without_commands_ends_with_a_clear_error():
     locked = pacer("lock_step", lock_step_limit_s=2.0)
     assert not may(locked, 100, 0.0, 0)
     assert not may(locked, 100, 1.9, 0)
+    assert locked.waited_s(1.9) == 1.9
     with pytest.raises(LockStalled, match=r"no command for 2\.1 s"):
         may(locked, 100, 2.1, 0)
 

@@ -35,6 +35,8 @@ PARAMETERS = ParameterTable.from_settings(
     ),
 )
 
+LONG_WAIT_S = 1.0
+
 
 class SimBridgeNode(StackNode):
     """Simulated robot in real time, as fast as possible, or in step with the commands that answer its odometry."""
@@ -56,8 +58,8 @@ class SimBridgeNode(StackNode):
         # Before there are endpoints: who sees this node may expect its time to run.
         self.simulator.warm_up()
         self.meter = RealTimeMeter()
-        pacer = Pacer(PacingSettings.from_robot(robot, **self.tuning(PacingSettings)))
-        self.simulation = RunControl(self.simulator, pacer, SensorPublishers(self, robot).publish)
+        self.pacer = Pacer(PacingSettings.from_robot(robot, **self.tuning(PacingSettings)))
+        self.simulation = RunControl(self.simulator, self.pacer, SensorPublishers(self, robot).publish)
         self.simulation.set_paused(self.value("start_paused"))
         SimulationServices(self, self.simulation, WorldControl(self.simulator))
         if self.value("stamped_commands"):
@@ -101,11 +103,14 @@ class SimBridgeNode(StackNode):
     def report(self) -> None:
         """Say how the simulation goes."""
         simulator = self.simulator
-        factor = self.meter.update(simulator.stamp_ns, time.monotonic())
+        now_s = time.monotonic()
+        factor = self.meter.update(simulator.stamp_ns, now_s)
         faults = simulator.sensors.active_faults(simulator.stamp_ns)
         level, message = Level.OK, "running"
         if self.simulation.paused:
             message = "paused"
+        elif self.pacer.waited_s(now_s) > LONG_WAIT_S:
+            level, message = Level.WARN, "lock-step: waiting for a command"
         elif simulator.intake.timed_out(simulator.stamp_ns):
             level, message = Level.WARN, "commands have ceased: standing still"
         elif faults:
