@@ -54,8 +54,8 @@ def test_inputs_alone_lead_to_the_end_pose(shape: str) -> None:
 @settings(deadline=None, max_examples=40)
 @given(
     shape=st.sampled_from(SHAPES),
-    length=st.floats(0.5, 10.0),
-    slope=st.floats(-0.6, 0.6),
+    length=st.floats(1.0, 10.0),
+    slope=st.floats(-0.3, 0.3),
     radius=st.floats(0.2, 5.0),
     swings=st.integers(1, 6),
     corners=st.integers(2, 12),

@@ -43,6 +43,11 @@ def test_pieces_come_at_5_hz_instants_and_carry_them() -> None:
     assert found[0].times_s == pytest.approx(np.arange(61) * 0.05)
 
 
+def test_the_first_odometry_gets_a_piece_at_once() -> None:
+    piece = TrajectoryPlayer(PlayerSettings(), line()).update(odometry(GRID.stamp_ns(61))).reference
+    assert piece is not None and piece.stamp_ns == 1_000_000_000
+
+
 def test_late_odometry_still_gets_the_piece_of_the_last_instant() -> None:
     player = TrajectoryPlayer(PlayerSettings(), line())
     player.update(odometry(1_000_000_000))

@@ -81,7 +81,8 @@ class PlayerOutput:
 class TrajectoryPlayer:
     """Hands out a trajectory in pieces, on the stamps of the odometry.
 
-    A piece starts at a 5 Hz instant and is stamped with it; its points lie on one grid with those of the
+    A piece starts at a 5 Hz instant and is stamped with it, the first one at the instant before the first
+    odometry; its points lie on one grid with those of the
     pieces before and after, so whoever interpolates gets the same reference from any of them. Before the
     start the start pose is held, after the end the final pose, both with zero inputs. The start is a whole
     second of physical time, so that it does not depend on how many messages were lost before everybody
@@ -127,7 +128,8 @@ class TrajectoryPlayer:
             self.restart()
         if self._track is None:
             self._track = self._anchored(odometry)
-            self._previous_ns = odometry.stamp_ns - 1
+            # The first piece at once: whoever plans at the next instant must have it by then.
+            self._previous_ns = self._grid.stamp_ns(self._grid.index_at(odometry.stamp_ns)) - 1
         instants = self._grid.crossed(self._previous_ns, odometry.stamp_ns)
         self._previous_ns = odometry.stamp_ns
         reached = self._judge(odometry, self._track)
