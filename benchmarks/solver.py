@@ -64,7 +64,7 @@ class Recorder(BoxSolver):
 
     def solve(self, problem: Problem) -> Solution:
         """Solve as the layer's own solver would."""
-        self.tasks.append(Task(problem, self._guess.copy()))
+        self.tasks.append(Task(problem, self.guess))
         return super().solve(problem)
 
 
@@ -189,7 +189,7 @@ def constrained_figures(quick: bool) -> dict[str, float]:
     problems = winding_problems(Motion.LAG, horizon, period_s, count, SEED)
     pilot, in_force, tasks = TrackSolver(Motion.LAG, horizon, TIGHT), [np.zeros(2)], []
     for problem in problems:
-        tasks.append(Task(problem, pilot._guess.copy()))
+        tasks.append(Task(problem, pilot.guess))
         in_force.append(pilot.solve(problem, in_force[-1]).commands[0])
         pilot.shift(1)
     # `timed` solves the first problem once more, to warm up.

@@ -1,13 +1,13 @@
 """Upper layer: plans along the reference at 5 Hz, (5.2.1)-(5.2.6); alone, it also commands the base."""
 
 import time
-from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nmpc_layers.goal_approach import GoalApproach, resting_pose
+from nmpc_layers.plan_queue import Plan, PlanQueue
 from nmpc_layers.plan_shapes import as_trajectory, continuous_headings, step_times, stopping
 from nmpc_layers.sent_commands import GroundModel, SentCommands, predict
 from nmpc_layers.solver import BoxSolver, Motion, MotionParameters, Problem, Solution
@@ -39,13 +39,6 @@ class UpperOutput:
     status: SolverStatus | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class _Plan:
-    effective_ns: int
-    trajectory: Trajectory
-    twist: Twist2 | None  # first command; None: there is no solution
-
-
 class UpperLayer:
     """Nonlinear model predictive control over poses, without slip.
 
@@ -69,8 +62,7 @@ class UpperLayer:
         self._restart()
 
     def _restart(self) -> None:
-        self._waiting: deque[_Plan] = deque()
-        self._effective: _Plan | None = None
+        self._plans = PlanQueue()
         self._planned_ns: int | None = None
         self._ramp = StopRamp(self.settings.limits, 1.0 / self.settings.control_rate_hz, self.settings.hold_s)
         self._sent.forget()
@@ -103,7 +95,7 @@ class UpperLayer:
         status = None
         if self._plan_grid.crossed(self._order.previous_ns, odometry.stamp_ns):
             status = self._plan(odometry)
-        trajectory = self._release(odometry.stamp_ns)
+        trajectory = self._plans.release(odometry.stamp_ns)
         command = None
         if self.settings.layers == "single" and self._control_grid.crossed(self._order.previous_ns, odometry.stamp_ns):
             command = self._command(odometry.stamp_ns)
@@ -113,15 +105,16 @@ class UpperLayer:
 
     def _plan(self, odometry: Odometry) -> SolverStatus:
         began_s = time.thread_time()  # a stop watch for the status; no decision depends on it
-        solution, reason = None, self._missing(odometry)
-        if not reason:
-            problem = self._problem(odometry)
-            solution = self._solve(problem, odometry.stamp_ns)
+        solution, reference, effective_ns = None, self._reference, odometry.stamp_ns + self._latency_ns
+        reason = self._missing(odometry)
+        if not reason and reference is not None:
+            solution = self._solve(self._problem(odometry, reference), odometry.stamp_ns)
             reason = "" if solution.converged else solution.outcome.value
         if solution is not None and solution.converged:
-            self._hold(odometry, self._as_trajectory(odometry, solution), Twist2(*solution.commands[0].tolist()))
-        elif self._reference is not None and _is_finite(odometry):
-            self._hold(odometry, self._stopping(odometry), None)
+            twist = Twist2(*solution.commands[0].tolist())
+            self._plans.add(Plan(effective_ns, self._as_trajectory(odometry, solution), twist))
+        elif reference is not None and _is_finite(odometry):
+            self._plans.add(Plan(effective_ns, self._stopping(odometry), None))
         return SolverStatus(
             stamp_ns=odometry.stamp_ns,
             layer="upper",
@@ -146,9 +139,8 @@ class UpperLayer:
             return ""
         return f"reference is {abs(age_s):.2f} s {'old' if age_s > 0.0 else 'ahead of the odometry'}"
 
-    def _problem(self, odometry: Odometry) -> Problem:
-        settings, reference = self.settings, self._reference
-        assert reference is not None
+    def _problem(self, odometry: Odometry, reference: Trajectory) -> Problem:
+        settings = self.settings
         start_ns = odometry.stamp_ns + to_nanoseconds(settings.horizon_start_s)
         if settings.final_approach:
             horizon_s = settings.horizon * settings.period_s
@@ -194,19 +186,9 @@ class UpperLayer:
         pose, twist = odometry.pose, self.settings.limits.clipped(odometry.twist)
         return stopping(odometry.stamp_ns, odometry.frame_id, times, pose, twist, self.settings.limits, hold_s)
 
-    def _hold(self, odometry: Odometry, trajectory: Trajectory, twist: Twist2 | None) -> None:
-        self._waiting.append(_Plan(odometry.stamp_ns + self._latency_ns, trajectory, twist))
-
-    def _release(self, stamp_ns: int) -> Trajectory | None:
-        """The newest plan that has taken effect since the last call."""
-        released = None
-        while self._waiting and self._waiting[0].effective_ns <= stamp_ns:
-            self._effective = released = self._waiting.popleft()
-        return released.trajectory if released else None
-
     def _command(self, stamp_ns: int) -> VelocityCommand | None:
         """Hold the first command of the effective plan; without one, or with one overdue, ramp down."""
-        plan = self._effective
+        plan = self._plans.effective
         if plan is None:
             return None
         overdue_s = seconds_between(stamp_ns, plan.effective_ns) - self.settings.period_s

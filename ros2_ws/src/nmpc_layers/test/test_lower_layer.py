@@ -216,6 +216,12 @@ def test_clock_that_jumps_back_starts_over(layer_with, odometry_at, slip_at, str
     assert drive(layer, odometry_at, slip_at, straight, 72, 73)[72].status.ok
 
 
+def test_plan_of_another_time_does_not_keep_out_those_of_the_present(layer_with, odometry_at, slip_at, straight):
+    layer = layer_with()
+    layer.set_plan(straight(600.0))
+    assert drive(layer, odometry_at, slip_at, straight, 72, 73)[72].status.ok
+
+
 @settings(max_examples=40, derandomize=True, deadline=None)
 @given(numbers=st.lists(st.floats(), min_size=5, max_size=5), slip=st.floats())
 def test_any_input_gives_a_bounded_command_and_no_exception(layer_with, odometry_at, slip_at, straight, numbers, slip):

@@ -60,6 +60,14 @@ def test_memory_is_bounded_and_keeps_the_command_that_still_acts():
     assert in_force(sent, 499.0, 501.0) == [(pytest.approx(1.0), 0.999), (pytest.approx(1.0), 0.4)]
 
 
+def test_clock_that_was_set_back_forgets_what_was_sent_in_another_time():
+    sent = SentCommands(0.0)
+    sent.add(command(500.0, 0.4))
+    sent.add(command(1.0, 0.1))
+    sent.add(command(1.1, 0.2))
+    assert in_force(sent, 1.0, 1.2) == [(pytest.approx(0.1), 0.1), (pytest.approx(0.1), 0.2)]
+
+
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_command_that_is_not_finite_is_ignored(value):
     sent = SentCommands(0.0)

@@ -2,20 +2,16 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from nmpc_layers.solver.code_cache import compiled
 from nmpc_layers.solver.function_buffer import FunctionBuffer
 from nmpc_layers.solver.motion_model import Motion
 from nmpc_layers.solver.problem import Problem
 from nmpc_layers.solver.riccati import riccati_iteration
 from nmpc_layers.solver.solution import Outcome, Solution
+from nmpc_layers.solver.warm_start import WarmStart
 
-Array = NDArray[np.float64]
 
-
-class BoxSolver:
+class BoxSolver(WarmStart):
     """Control-limited Gauss-Newton method for one structure of model and one horizon.
 
     Parameters
@@ -35,25 +31,18 @@ class BoxSolver:
         tolerance: float = 1e-9,
         use_compiler: bool = True,
     ) -> None:
-        if horizon < 2:
-            raise ValueError(f"horizon must be at least 2, got {horizon}")
-        self.motion, self.horizon = motion, horizon
+        super().__init__(motion, horizon)
         function = riccati_iteration(motion, horizon)
         self.interpreter_reason = "" if use_compiler else "not asked to compile"
         if use_compiler:
             function, self.interpreter_reason = compiled(function)
         self._iteration_limit, self._tolerance = iteration_limit, tolerance
         self._buffer = FunctionBuffer(function)
-        self._guess = np.zeros((horizon, 2))
 
     @property
     def is_compiled(self) -> bool:
         """Whether machine code runs; if not, `interpreter_reason` says why."""
         return not self.interpreter_reason
-
-    def start_from(self, guess: Array) -> None:
-        """Set the commands (N, 2) from which the next solve starts; it clips them to its bounds."""
-        self._guess[:] = guess
 
     def solve(self, problem: Problem) -> Solution:
         """Solve from the current guess, which the solution then replaces (see `shift`).
@@ -87,16 +76,3 @@ class BoxSolver:
                 break
         self._guess[:] = commands
         return Solution(commands.copy(), result["states"].copy(), cost, iterations, outcome)
-
-    def shift(self, stages: int) -> None:
-        """Move the guess ``stages`` stages ahead, repeating its last command."""
-        stages = min(max(stages, 0), self.horizon - 1)
-        if stages:
-            self._guess[:-stages] = self._guess[stages:].copy()
-            self._guess[-stages:] = self._guess[-1]
-
-    def _failure(self, outcome: Outcome, iterations: int) -> Solution:
-        self._guess[:] = 0.0
-        count = self.motion.state_count
-        states = np.full((self.horizon + 1, count), np.nan)
-        return Solution(np.zeros((self.horizon, 2)), states, float("nan"), iterations, outcome)

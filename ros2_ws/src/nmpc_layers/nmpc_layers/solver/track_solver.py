@@ -13,6 +13,7 @@ from nmpc_layers.solver.function_buffer import FunctionBuffer
 from nmpc_layers.solver.motion_model import Motion
 from nmpc_layers.solver.problem import Problem
 from nmpc_layers.solver.solution import Outcome, Solution
+from nmpc_layers.solver.warm_start import WarmStart
 
 Array = NDArray[np.float64]
 
@@ -50,7 +51,7 @@ class TrackLimits:
         return np.array([speed / excess, yaw_rate / excess])
 
 
-class TrackSolver:
+class TrackSolver(WarmStart):
     """Condensed Gauss-Newton method with an active-set QP for one structure of model and one horizon.
 
     Parameters
@@ -70,7 +71,8 @@ class TrackSolver:
         tolerance: float = 1e-9,
         use_compiler: bool = True,
     ) -> None:
-        self.motion, self.horizon, self.limits = motion, horizon, limits
+        super().__init__(motion, horizon)
+        self.limits = limits
         function = condensed_cost(motion, horizon)
         self.interpreter_reason = "" if use_compiler else "not asked to compile"
         if use_compiler:
@@ -79,18 +81,6 @@ class TrackSolver:
         self._rows = limits.rows(horizon)
         self._model: daqp.Model | None = None
         self._iteration_limit, self._tolerance = iteration_limit, tolerance
-        self._guess = np.zeros((horizon, 2))
-
-    def start_from(self, guess: Array) -> None:
-        """Set the commands (N, 2) from which the next solve starts."""
-        self._guess[:] = guess
-
-    def shift(self, stages: int) -> None:
-        """Move the guess ``stages`` stages ahead, repeating its last command."""
-        stages = min(max(stages, 0), self.horizon - 1)
-        if stages:
-            self._guess[:-stages] = self._guess[stages:].copy()
-            self._guess[-stages:] = self._guess[-1]
 
     def solve(self, problem: Problem, previous: Array) -> Solution:
         """Solve from the current guess, ``previous`` (2,) being the command in force before the first stage.
@@ -199,7 +189,6 @@ class TrackSolver:
         return bool(np.all(values <= high + FEASIBILITY_TOLERANCE) and np.all(values >= low - FEASIBILITY_TOLERANCE))
 
     def _failure(self, outcome: Outcome, iterations: int) -> Solution:
-        self._guess[:] = 0.0
+        # The workspace may have been left in any state.
         self._model = None
-        states = np.full((self.horizon + 1, self.motion.state_count), np.nan)
-        return Solution(np.zeros((self.horizon, 2)), states, float("nan"), iterations, outcome)
+        return super()._failure(outcome, iterations)
