@@ -4,6 +4,7 @@ import math
 
 _MOST = 400.0
 _START = 0.01
+_LONGEST_CAUTION = 200
 
 
 class AdaptiveNoise:
@@ -38,5 +39,5 @@ class AdaptiveNoise:
     def observe(self, normalised_square: float) -> None:
         """Learn from one innovation, squared and divided by the variance that the filter expected."""
         self._level += self._rate * (min(normalised_square, _MOST) - 1.0)
-        self._level = min(max(self._level, self._lowest), self._highest)
-        self.intensity = math.exp(self._level)
+        self._level = min(max(self._level, self._lowest), self._highest + _LONGEST_CAUTION * self._rate)
+        self.intensity = math.exp(min(self._level, self._highest))

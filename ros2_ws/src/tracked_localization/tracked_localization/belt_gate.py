@@ -8,8 +8,6 @@ from tracked_localization.settings import OdometryFilterSettings
 from tracked_localization.suspicion import Suspicion
 from tracked_types import seconds_between
 
-_STUCK_AFTER = 3
-
 
 @dataclass(frozen=True, slots=True)
 class BeltReading:
@@ -23,8 +21,8 @@ class BeltGate:
     """Chi-square gate on the counter of one belt.
 
     A belt cannot change its speed faster than its drive allows. The prediction is its last credible
-    speed, with a variance that grows with the time since then; a belt that seems to stop dead is a
-    counter that is stuck, and stays so until it counts again.
+    speed, with a variance that grows with the time since then. A belt that seems to stop dead is a counter
+    that is stuck, and stays so until it counts again.
     """
 
     def __init__(self, settings: OdometryFilterSettings) -> None:
@@ -51,19 +49,21 @@ class BeltGate:
             return BeltReading(None)
         moved, duration = travel_m - self._last_m, seconds_between(stamp_ns, self._last_ns)
         self._last_m, self._last_ns = travel_m, stamp_ns
-        self._still = self._still + 1 if moved == 0.0 else 0
+        still = abs(moved) < 0.5 * self._settings.encoder_tick_m
+        self._still = self._still + 1 if still else 0
         if self._stuck:
-            self._stuck = self._still > 0
+            self._stuck = still
             # The first count after a pause may hold the travel of the pause: not credible yet either way.
             return BeltReading(None, Fault.STUCK)
         excess = self._excess(moved, duration, stamp_ns)
         if excess <= 1.0:
             self._speed_mps, self._credible_ns = moved / duration, stamp_ns
             return BeltReading(moved)
-        self._stuck = self._still >= _STUCK_AFTER
-        if self._stuck:
-            return BeltReading(None, Fault.STUCK)
-        return BeltReading(None, Fault.JUMP if self._suspicion.refused(stamp_ns, excess) else None)
+        to_blame = self._suspicion.refused(stamp_ns, excess)
+        if still:
+            self._stuck = True
+            return BeltReading(None, Fault.STUCK if to_blame else None)
+        return BeltReading(None, Fault.JUMP if to_blame else None)
 
     def declare_stuck(self) -> None:
         """Another witness says that this belt moves."""

@@ -180,7 +180,11 @@ class SensorFusion:
         if self.standing:
             self._inputs.rolled_m = self._filter.rolled_m
             return
-        self.innovations.append(self._filter.update_rolled(self._inputs.rolled_m, travel[1], motion.stamp_ns))
+        # Rounding to ticks is noise only while ticks go by; a counter at rest says nothing about the noise.
+        going = max(abs(travel[0]), abs(self._filter.speed_mps) * motion.duration_s) >= self._settings.encoder_tick_m
+        innovation = self._filter.update_rolled(self._inputs.rolled_m, travel[1], motion.stamp_ns, learn=going)
+        if going:
+            self.innovations.append(innovation)
 
     def _forward(self, motion: BeltMotion) -> tuple[float, float] | None:
         """Forward travel (m) and the variance that it has beyond rounding (m^2)."""

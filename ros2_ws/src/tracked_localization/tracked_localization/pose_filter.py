@@ -86,6 +86,11 @@ class PoseFilter:
         return float(self._ekf.x[ROLLED])
 
     @property
+    def speed_mps(self) -> float:
+        """Estimated forward speed."""
+        return float(self._ekf.x[SPEED])
+
+    @property
     def yaw_rate_radps(self) -> float:
         """Estimated yaw rate of the body."""
         return float(self._ekf.x[YAW_RATE])
@@ -157,14 +162,18 @@ class PoseFilter:
             self._yaw_noise.observe(innovation.normalised_square)
         return innovation
 
-    def update_rolled(self, rolled_m: float, added_variance: float, stamp_ns: int) -> Innovation:
-        """Fuse the distance rolled by the belts; ``added_variance`` (m^2) comes on top of the rounding."""
+    def update_rolled(self, rolled_m: float, added_variance: float, stamp_ns: int, *, learn: bool) -> Innovation:
+        """Fuse the distance rolled by the belts; ``added_variance`` (m^2) comes on top of the rounding.
+
+        ``learn``: whether the innovation says how lively the motion is.
+        """
         noise = self._rolled_variance + added_variance
         innovation = Innovation(
             stamp_ns, "tracks", rolled_m - self.rolled_m, float(self._ekf.P[ROLLED, ROLLED]) + noise
         )
         self._correct(rolled_m, _ROLLED_ROW, noise)
-        self._speed_noise.observe(innovation.normalised_square)
+        if learn:
+            self._speed_noise.observe(innovation.normalised_square)
         return innovation
 
     def update_yaw_rate(self, rate_radps: float, variance: float) -> None:

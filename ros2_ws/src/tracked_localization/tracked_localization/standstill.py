@@ -30,6 +30,7 @@ class Standstill:
         self._standstill_ns = to_nanoseconds(settings.standstill_s)
         self._long_window = self._window + self._window // 2
         self._sway_window = max(self._long_window, round(_SWAY_S * settings.imu_rate_hz))
+        self._silence_ns = to_nanoseconds(settings.silence_s)
         self._rates: deque[float] = deque(maxlen=self._sway_window)
         self.restart()
 
@@ -37,6 +38,7 @@ class Standstill:
         """Nothing is known any more."""
         self._rates.clear()
         self._still_since_ns: int | None = None
+        self._belts_ns = 0
         self._left_m = self._right_m = 0.0
         self.standing = False
         self.new_bias_radps: float | None = None
@@ -44,6 +46,7 @@ class Standstill:
 
     def add_belts(self, motion: BeltMotion) -> None:
         """Take in what the belts did."""
+        self._belts_ns = motion.stamp_ns
         if motion.left_m is None or motion.right_m is None:
             self._move(None)
             return
@@ -62,6 +65,8 @@ class Standstill:
             self._rates.clear()
         else:
             self._rates.append(rate_radps)
+        if stamp_ns - self._belts_ns > self._silence_ns:
+            self._move(None)
         if self.standing:
             self.standing = not self._leaves(bias_radps)
         elif self._still_since_ns is not None and stamp_ns - self._still_since_ns >= self._standstill_ns:

@@ -1,0 +1,219 @@
+"""The odometry filter on the belt simulator: consistency, slip, faults named, gyro bias, nobody blamed in vain."""
+
+import argparse
+import math
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sim_bridge.faults import Fault, Kind, Sensor
+from sim_bridge.sensor_suite import SensorBatch
+from sim_bridge.simulator import Simulator
+from sim_bridge.world import load_world
+from tracked_description import Robot, load_robot
+from tracked_localization import Innovation, OdometryFilter, OdometryFilterSettings
+from tracked_report.results import write_metrics
+from tracked_types import PeriodGrid, Slip, Twist2, VelocityCommand, to_nanoseconds
+
+WORLDS = ("flat", "step", "ice", "slats")
+"""Worlds by seed, modulo their number: even ground, one step, low friction in patches, rough ground."""
+SEEDS, QUICK_SEEDS = range(100, 120), range(100, 102)
+SECONDS, QUICK_SECONDS = 20.0, 6.0
+FAULT_AT_S, FAULT_SECONDS = 4.0, 5.0
+NAMED_WITHIN_S = 0.5
+BIAS_TOLERANCE_RADPS = 0.002
+BAND_DEVIATIONS = 1.959964
+"""Of a normal distribution, 95 %: with a thousand samples and more, chi-square is one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A fault, and the sensors of which one must be named."""
+
+    sensor: Sensor
+    kind: Kind
+    magnitude: float
+    named: tuple[str, ...]
+
+
+TRACKS = ("tracks", "left_track", "right_track")
+TRIALS = (
+    Trial("imu", "nan", 0.0, ("imu",)),
+    Trial("imu", "freeze", 0.0, ("imu",)),
+    Trial("imu", "blackout", 0.0, ("imu",)),
+    Trial("imu", "dropout", 0.6, ("imu",)),
+    Trial("imu", "jump", 1.0, ("imu",)),
+    Trial("imu", "delay", 0.3, ("imu",)),
+    Trial("tracks", "nan", 0.0, TRACKS),
+    Trial("tracks", "freeze", 0.0, TRACKS),
+    Trial("tracks", "blackout", 0.0, TRACKS),
+    Trial("tracks", "dropout", 0.6, TRACKS),
+    Trial("tracks", "jump", 0.02, TRACKS),
+    Trial("tracks", "delay", 0.3, TRACKS),
+)
+
+
+@dataclass(slots=True)
+class Outcome:
+    """What one run showed."""
+
+    nis: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
+    slip_errors: list[float] = field(default_factory=list)
+    blamed: dict[str, float] = field(default_factory=dict)
+    bias_errors: list[tuple[float, float]] = field(default_factory=list)
+    step_times_us: list[float] = field(default_factory=list)
+
+    def deviations(self, sensor: str) -> float:
+        """Distance of the mean NIS from 1, in standard deviations of the mean of as many chi-squares."""
+        values = self.nis[sensor]
+        return (float(np.mean(values)) - 1.0) * math.sqrt(0.5 * len(values))
+
+    @property
+    def consistent(self) -> bool:
+        """Whether each sensor's mean NIS lies inside its 95 % band."""
+        return all(abs(self.deviations(sensor)) <= BAND_DEVIATIONS for sensor in self.nis)
+
+
+def random_drive(seed: int) -> Callable[[float], Twist2]:
+    """Targets by time: rest for a second, then cruising, curves, spot turns and stops of random length."""
+    random = np.random.default_rng(seed)
+    ends, twists = [1.0], [Twist2(0.0, 0.0)]
+    while ends[-1] < 60.0:
+        kind = random.choice(["stop", "straight", "curve", "spot turn"])
+        speed = float(random.uniform(-0.3, 0.5)) if kind in ("straight", "curve") else 0.0
+        rate = float(random.uniform(-1.3, 1.3)) if kind in ("curve", "spot turn") else 0.0
+        ends.append(ends[-1] + float(random.uniform(0.8, 2.0)))
+        twists.append(Twist2(speed, rate))
+    return lambda seconds: twists[int(np.searchsorted(ends, seconds, side="right"))]
+
+
+def steady_drive(seconds: float) -> Twist2:
+    """Rest for a second, then a gentle curve for good."""
+    return Twist2(0.35, 0.4) if seconds >= 1.0 else Twist2(0.0, 0.0)
+
+
+def rest(_seconds: float) -> Twist2:
+    """Stand still."""
+    return Twist2(0.0, 0.0)
+
+
+def batches(simulator: Simulator, drive: Callable[[float], Twist2], seconds: float) -> Iterator[SensorBatch]:
+    """Sensor samples while the robot follows the drive, its commands ramped as the arbiter ramps them."""
+    limits, control = simulator.robot.limits, PeriodGrid(simulator.robot.control.rate_hz)
+    period_s = 1.0 / control.rate_hz
+    speed = rate = 0.0
+    for _ in range(round(seconds * simulator.robot.imu.rate_hz)):
+        batch = simulator.advance()
+        yield batch
+        if control.is_instant(batch.stamp_ns):
+            target = drive(1e-9 * batch.stamp_ns)
+            reach, turn_reach = limits.acceleration_mps2 * period_s, limits.yaw_acceleration_radps2 * period_s
+            speed += min(max(target.speed_mps - speed, -reach), reach)
+            rate += min(max(target.yaw_rate_radps - rate, -turn_reach), turn_reach)
+            simulator.submit(VelocityCommand(batch.stamp_ns, Twist2(speed, rate)))
+
+
+def run(
+    robot: Robot,
+    world: str,
+    seed: int,
+    drive: Callable[[float], Twist2],
+    seconds: float,
+    faults: tuple[Fault, ...] = (),
+) -> Outcome:
+    """Drive once and watch the filter."""
+    simulator = Simulator(robot, load_world(world), seed=seed)
+    for fault in faults:
+        simulator.inject(fault)
+    estimator = OdometryFilter(OdometryFilterSettings.from_robot(robot))
+    outcome = Outcome()
+    truths: dict[int, Slip] = {}
+    for batch in batches(simulator, drive, seconds):
+        truths.update((slip.stamp_ns, slip) for slip in batch.truth_slip)
+        begun = time.thread_time()
+        estimates = [estimate for sample in batch.imu for estimate in estimator.add_imu(sample)]
+        estimates += [estimate for sample in batch.tracks for estimate in estimator.add_tracks(sample)]
+        outcome.step_times_us.append(1e6 * (time.thread_time() - begun))
+        note_innovations(outcome, estimator.drain_innovations())
+        for estimate in estimates:
+            truth = truths[estimate.slip.stamp_ns]
+            if estimate.slip.known and truth.known:
+                outcome.slip_errors.append(estimate.slip.yaw_rate_radps - truth.yaw_rate_radps)
+        for culprit in estimator.health.culprits:
+            outcome.blamed.setdefault(culprit.sensor, 1e-9 * batch.stamp_ns)
+        error = estimator.gyro_bias_radps - float(simulator.sensors.gyro_bias_radps[2])
+        outcome.bias_errors.append((1e-9 * batch.stamp_ns, error))
+    simulator.close()
+    return outcome
+
+
+def note_innovations(outcome: Outcome, innovations: list[Innovation]) -> None:
+    """Add the normalised squares of ``innovations`` to ``outcome``."""
+    for innovation in innovations:
+        outcome.nis[innovation.sensor].append(innovation.normalised_square)
+
+
+def named_after_s(robot: Robot, trial: Trial, seed: int) -> tuple[float, int]:
+    """Time from the start of a fault until its sensor is named, and how many others were blamed by then."""
+    fault = Fault(trial.sensor, trial.kind, start_ns=to_nanoseconds(FAULT_AT_S), magnitude=trial.magnitude)
+    outcome = run(robot, "flat", seed, steady_drive, FAULT_SECONDS, (fault,))
+    named = [moment for sensor, moment in outcome.blamed.items() if sensor in trial.named]
+    others = sum(sensor not in trial.named for sensor in outcome.blamed)
+    return (min(named) - FAULT_AT_S if named else math.inf), others
+
+
+def bias_settled_s(outcome: Outcome) -> float:
+    """Time at rest until the bias stays within the tolerance."""
+    wrong = [moment for moment, error in outcome.bias_errors if abs(error) > BIAS_TOLERANCE_RADPS]
+    return wrong[-1] if wrong else 0.0
+
+
+def main() -> None:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="few seeds and short runs")
+    quick = parser.parse_args().quick
+    robot = load_robot()
+    seeds, seconds = (QUICK_SEEDS, QUICK_SECONDS) if quick else (SEEDS, SECONDS)
+    outcomes = {}
+    for seed in seeds:
+        world = WORLDS[seed % len(WORLDS)]
+        outcome = outcomes[seed] = run(robot, world, seed, random_drive(seed), seconds)
+        print(
+            f"seed {seed} on {world:6}: NIS imu {np.mean(outcome.nis['imu']):.3f} ({outcome.deviations('imu'):+.1f} sd), "
+            f"tracks {np.mean(outcome.nis['tracks']):.3f} ({outcome.deviations('tracks'):+.1f} sd), "
+            f"slip yaw rate RMS {rms(outcome.slip_errors):.4f} rad/s, blamed {sorted(outcome.blamed) or 'nobody'}"
+        )
+    trials = [trial for trial in TRIALS if trial.kind in ("nan", "freeze", "jump", "blackout")] if quick else TRIALS
+    named = {}
+    for trial in trials:
+        after, others = named_after_s(robot, trial, seed=7)
+        named[trial] = after
+        print(f"{trial.sensor} {trial.kind:9}: named after {after:.3f} s, {others} others blamed")
+    settled = max(bias_settled_s(run(robot, "flat", seed, rest, 3.0)) for seed in (seeds if quick else seeds[:5]))
+    every_time = np.concatenate([outcome.step_times_us for outcome in outcomes.values()])
+    values = {
+        "estimator.nis_seeds_inside_band": sum(outcome.consistent for outcome in outcomes.values()),
+        "estimator.seeds": len(outcomes),
+        "estimator.fault_named_max_s": max(named.values()),
+        "estimator.false_blames": sum(len(outcome.blamed) for outcome in outcomes.values()),
+        "estimator.bias_settled_s": settled,
+        "estimator.slip_yaw_rate_rms_radps": max(rms(outcome.slip_errors) for outcome in outcomes.values()),
+        "estimator.step_median_us": float(np.median(every_time)),
+        "estimator.step_p99_us": float(np.percentile(every_time, 99)),
+    }
+    for key, value in values.items():
+        print(f"{key:40} {value:.4g}")
+    write_metrics("estimator", values, seed=seeds[0])
+
+
+def rms(errors: list[float]) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(np.square(errors))))
+
+
+if __name__ == "__main__":
+    main()
