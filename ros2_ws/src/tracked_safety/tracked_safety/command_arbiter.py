@@ -114,7 +114,7 @@ class CommandArbiter:
             return None
         if self._sent is not None and self._sent.stamp_ns >= self._now_ns:
             return None
-        return self._ramp(self._now_ns, self._period_s(self._now_ns))
+        return self._ramp(self._now_ns, self._control_period_s)
 
     def lost_time(self) -> VelocityCommand | None:
         """Call once per control period while neither commands nor odometry arrive, by the wall clock.
@@ -179,10 +179,13 @@ class CommandArbiter:
         return any(self._alive(other) for other in SOURCES[: SOURCES.index(source)])
 
     def _period_s(self, stamp_ns: int) -> float:
-        """Time since the last command, as far as it may count towards acceleration."""
+        """Time since the last command, as far as it may count towards acceleration.
+
+        The base has held the last command meanwhile: a long gap earns no larger step.
+        """
         if self._sent is None:
             return self._control_period_s
-        return min(seconds_between(stamp_ns, self._sent.stamp_ns), self.settings.timeout_s)
+        return min(seconds_between(stamp_ns, self._sent.stamp_ns), 2.0 * self._control_period_s)
 
     def _stop(self, reason: str) -> None:
         self._mode = Mode.STOPPED if self._twist == _REST else Mode.STOPPING

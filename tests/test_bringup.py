@@ -1,0 +1,123 @@
+"""The bringup with the real graph: a whole run, nodes that die, and two robots side by side."""
+
+import json
+import os
+import re
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+from nav_msgs.msg import Odometry
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from tracked_bringup.node_table import load_node_table
+from tracked_bringup.scenarios import load_scenario
+from tracked_lab import drive
+from tracked_report.run_record import RunRecord
+from tracked_types import to_nanoseconds
+
+RUN_LIMIT_S = 100.0
+BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+@pytest.fixture
+def bringup(start_node, tmp_path):
+    """``bringup(SCENARIO, ...)`` starts it with its output below the test's folder."""
+
+    def start(*arguments):
+        return start_node("bringup", *arguments, TRACKED_OUT=str(tmp_path / "out"))
+
+    return start
+
+
+def processes_of(folder: Path) -> dict[str, int]:
+    """Node processes whose parameter file lies below ``folder``, by name."""
+    found = {}
+    for entry in Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            words = (entry / "cmdline").read_bytes().decode(errors="replace").split("\0")
+        except OSError:
+            continue
+        found |= {
+            Path(word).stem: int(entry.name) for word in words if word.startswith(str(folder)) and ".yaml" in word
+        }
+    return found
+
+
+def largest_gap_s(record: RunRecord, channel: str) -> float:
+    return float(np.max(np.diff(record.channel(channel).stamps_ns))) * 1e-9
+
+
+def test_a_run_over_the_step_is_that_of_the_lab(bringup, tmp_path):
+    """In lock-step the graph does what the same algorithms do in one process, but for when the first plan arrives."""
+    process = bringup("compare", "--variant", "double")
+    assert process.wait(RUN_LIMIT_S) == 0, process.output
+    assert processes_of(tmp_path) == {}
+    folder = tmp_path / "out" / "demo"
+    record = RunRecord.load(folder / "double.npz")
+    for channel, period_s in (("odometry", 1 / 60), ("truth", 1 / 60), ("lower_status", 1 / 30), ("cmd_vel", 1 / 30)):
+        assert largest_gap_s(record, channel) < 1.1 * period_s, channel
+    assert len(record.channel("goal_reached")) == 1
+
+    scenario = load_scenario("compare", ["duration_s:=20"], load_node_table())
+    lab = drive(scenario, "double")
+    for channel, tolerances in (("odometry", (0.01, 0.02, 0.03)), ("truth", (0.02, 0.04, 0.05))):
+        columns = ("x_m", "y_m", "yaw_rad")
+        seen = record.channel(channel).select(columns).clean()
+        seen = seen.between(to_nanoseconds(0.5), to_nanoseconds(19.5))
+        expected = lab.channel(channel).select(columns).at(seen.stamps_ns)
+        assert np.all(np.abs(seen.values - expected).max(axis=0) <= tolerances), channel
+
+    metrics = json.loads((folder / "metrics.json").read_text())
+    assert metrics["name"] == "demo" and metrics["seed"] == scenario.seed
+    assert "<html" in (folder / "report.html").read_text()
+    assert {log.stem for log in (folder / "logs" / "double").glob("*.log")} >= {"simulator", "control", "safety"}
+
+
+def test_a_node_that_is_needed_and_dies_ends_the_run_with_a_code(bringup, tmp_path, probe):
+    process = bringup("idle", "sim_bridge.lidar_mode:=instant")
+    odom = probe.collect(Odometry, "odom")
+    probe.wait_until(lambda: odom, timeout_s=RUN_LIMIT_S, what="odometry")
+    os.kill(processes_of(tmp_path)["safety"], signal.SIGKILL)
+    assert process.wait() == 1
+    assert "safety ended (signal 9)" in process.output and "logs: " in process.output
+    assert processes_of(tmp_path) == {}
+
+
+def test_a_node_that_may_come_back_does_and_an_idle_run_ends_well(bringup, tmp_path, probe):
+    process = bringup("idle", "--grouping", "separate", "--verbose")
+    odom = probe.collect(Odometry, "odom")
+    probe.wait_until(lambda: odom, timeout_s=RUN_LIMIT_S, what="odometry")
+    first = processes_of(tmp_path)["ekf"]
+    os.kill(first, signal.SIGKILL)
+    probe.wait_until(lambda: processes_of(tmp_path).get("ekf", first) != first, what="another process")
+    odom.clear()
+    probe.wait_until(lambda: odom, timeout_s=RUN_LIMIT_S, what="odometry again")
+    assert "[ekf] ended (signal 9): started again, 1 of 3" in process.output
+    assert process.stop(signal.SIGINT) == 0
+    assert processes_of(tmp_path) == {}
+
+
+def test_a_node_that_cannot_start_is_named_with_its_reason(bringup, tmp_path):
+    process = bringup("track", "reference.parameters.speed_mps:=3.0")
+    assert process.wait(RUN_LIMIT_S) == 1
+    assert "planning ended (exit code 2)" in process.output and "needs a speed of" in process.output
+    assert processes_of(tmp_path) == {}
+
+
+def test_two_robots_share_a_domain_under_two_namespaces(bringup, probe):
+    robots = ("r1", "r2")
+    processes = [bringup("idle", f"namespace:={robot}", "--name", robot) for robot in robots]
+    heard = {robot: probe.collect(Odometry, f"/{robot}/odom", BEST_EFFORT) for robot in robots}
+    probe.wait_until(lambda: all(heard.values()), timeout_s=RUN_LIMIT_S, what="odometry of both")
+    for robot, messages in heard.items():
+        assert messages[-1].header.frame_id == f"{robot}/odom"
+        assert messages[-1].child_frame_id == f"{robot}/base_footprint"
+        assert probe.node.count_publishers(f"/{robot}/cmd_vel") == 1
+    topics = [name for name, _ in probe.node.get_topic_names_and_types()]
+    ours = re.compile(r"/(r1|r2)/|/rosout$|/parameter_events$")
+    assert [topic for topic in topics if not ours.match(topic)] == ["/odom"] * topics.count("/odom")
+    assert [process.stop(signal.SIGINT) for process in processes] == [0, 0]
