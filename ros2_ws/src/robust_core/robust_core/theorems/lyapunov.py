@@ -1,0 +1,51 @@
+"""What the stability theorems of chapter 2 share: V(x) = x^T (sum_r sigma_r P_r) x and its decay rate."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from robust_core.errors import ArgumentError
+from robust_core.lmi import Unknown, Unknowns, he
+from robust_core.rational import rational, to_float
+from robust_core.theorems.base import Data, Theorem, exact_option
+
+
+@dataclass(frozen=True)
+class LyapunovTheorem(Theorem):
+    """Stability with V' < -2 decay V; ``decay`` (1/s) is kept exactly, as text."""
+
+    decay: Any = "0"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "decay", exact_option("decay", self.decay))
+        if rational(self.decay) < 0:
+            raise ArgumentError("decay", "at least 0", self.decay)
+
+    def data(self, model: Any, *, exact: bool = False, bound: str = "high") -> Data:
+        """The model's arrays and the decay rate."""
+        decay = rational(self.decay)
+        number = decay if exact else float(to_float(np.array(decay, dtype=object)))
+        return {**super().data(model, exact=exact, bound=bound), "decay": number}
+
+    def vertex_matrices(self, model: Any, values: Any) -> Any:
+        """P (m, n, n) with V(x) = x^T (sum_r sigma_r P_r) x; what a region of attraction needs."""
+        return values["P"]
+
+
+def one_per_vertex(model: Any) -> Unknowns:
+    """P (m, n, n)."""
+    return Unknowns((Unknown("P", model.states, count=model.count, symmetric=True),))
+
+
+def weighted(phi: Any, matrices: Any) -> Any:
+    """sum_r phi_r M_r over the third axis from the end."""
+    return (phi[..., :, None, None] * matrices).sum(axis=-3)
+
+
+def pair_products(P: Any, A: Any, data: Data) -> Any:
+    """1/2 He(P_i A_j + P_j A_i) + decay (P_i + P_j) for all i <= j, stacked (..., pairs, n, n)."""
+    symmetric = he(P[..., :, None, :, :] @ A[..., None, :, :, :])
+    first, second = np.triu_indices(P.shape[-3])
+    mixed = data["half"] * (symmetric[..., first, second, :, :] + symmetric[..., second, first, :, :])
+    return mixed + data["decay"] * (P[..., first, :, :] + P[..., second, :, :])
