@@ -2,7 +2,8 @@ import sys
 
 import pytest
 
-from tracked_bringup.bringup import locate_executable, main, parser, split_options
+from tracked_bringup.bringup import locate_executable, main
+from tracked_bringup.command_line import parser, split_options
 from tracked_bringup.scenarios import ArgumentError
 from tracked_bringup.supervisor import GraphFailedError
 

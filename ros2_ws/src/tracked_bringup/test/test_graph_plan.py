@@ -54,6 +54,13 @@ def test_lock_step_reaches_everyone_who_must_wait() -> None:
         assert parameters(paced, node)["lock_step"] is False
 
 
+def test_lock_step_knows_when_the_first_command_comes() -> None:
+    for latency_s, expected_s in ((0.0, 0.2), (0.1, 0.3), (0.11, 1.0 / 3.0)):
+        simulator = parameters(plan("compare", "double", f"pipeline_latency_s:={latency_s}"), "sim_bridge")
+        assert abs(simulator["first_command_s"] - expected_s) < 1e-8  # type: ignore[operator]
+    assert "first_command_s" not in parameters(plan("idle"), "sim_bridge")
+
+
 def test_time_waits_until_the_graph_is_complete() -> None:
     assert parameters(plan(), "sim_bridge")["start_paused"] is True
 

@@ -41,6 +41,7 @@ class Graph:
     log: list[str] = field(default_factory=list)
     state: LiveState = field(default_factory=LiveState)
     orders: tuple[int, ...] = (1,)
+    others: tuple[str, ...] = ()
     codes: dict[str, int | None] = field(default_factory=dict)
 
     def clock(self) -> float:
@@ -65,6 +66,9 @@ class Graph:
     def unconnected(self) -> list[str]:
         self.polls_until_heard -= 1
         return ["lower_nmpc (hears no odom)"] if self.polls_until_heard > 0 else []
+
+    def doubles(self) -> list[str]:
+        return list(self.others)
 
     def set_playing(self) -> str | None:
         self.log.append("play")
@@ -142,6 +146,7 @@ def test_a_goal_may_be_driven_past() -> None:
             ExitCode.NOT_MATCHED,
             r"no connections after 10 s: lower_nmpc \(hears no odom\)",
         ),
+        ({"others": ("there is another /ekf",)}, ExitCode.NOT_MATCHED, "another /ekf in this domain"),
         ({"refuses_to_play": "no service"}, ExitCode.NOT_MATCHED, "cannot be started: no service"),
         ({"stands_from_s": 2.0}, ExitCode.STALLED, "time stands still at 2.0"),
         ({"fails_at_s": 1.0}, ExitCode.NODE_FAILED, "a node ended"),

@@ -1,24 +1,23 @@
 """``bringup SCENARIO [key:=value ...]``: runs every variant of a scenario in a graph of its own, then reports."""
 
-import argparse
 import os
-import re
 import shutil
 import signal
 import sys
 import time
-from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
 from ament_index_python.packages import get_package_prefix
 
+from tracked_bringup.command_line import Options, parser, split_options
 from tracked_bringup.console import Console
-from tracked_bringup.graph_plan import GROUPINGS, Grouping, plan_graph
+from tracked_bringup.domains import NoDomainError, run_domain
+from tracked_bringup.graph_plan import plan_graph
 from tracked_bringup.live_state import LiveState
 from tracked_bringup.node_table import NodeTable, load_node_table
 from tracked_bringup.run_meta import run_meta
-from tracked_bringup.scenarios import ArgumentError, load_scenario, scenario_names, split_change
+from tracked_bringup.scenarios import ArgumentError, load_scenario
 from tracked_bringup.supervisor import GraphFailedError, StopRequest, Supervisor, child_environment
 from tracked_bringup.variant_run import ExitCode, RunEndedError, RunSettings, VariantRun
 from tracked_report.publish import publish_runs
@@ -27,43 +26,6 @@ from tracked_report.run_record import RunRecord, RunRecordError
 from tracked_report.scenario import Scenario
 from tracked_report.whole_file import write_whole
 from tracked_types.checked_yaml import CheckedFileError
-
-_LARGEST_DOMAIN = 101  # above, the ports of a domain reach into those that Linux gives out freely
-
-
-def parser() -> argparse.ArgumentParser:
-    """The command line."""
-    made = argparse.ArgumentParser(
-        prog="bringup",
-        description="Runs every variant of a scenario in a graph of its own, then writes the report.",
-        epilog=f"packaged scenarios: {', '.join(scenario_names())}. Exit code: 0 done; 1 a node failed; 2 bad "
-        "arguments; 3 endpoints not matched; 4 time stood still; 5 no report; 130 interrupted.",
-    )
-    made.add_argument("scenario", help="name of a packaged scenario, or path of a .yaml file")
-    made.add_argument(
-        "changes",
-        nargs="*",
-        metavar="key:=value",
-        help="changes a key of the scenario (duration_s:=10, reference.shape:=circle) or a parameter of a node "
-        "(upper_nmpc.method:=thesis); namespace:=r1 puts all nodes and frames below r1",
-    )
-    made.add_argument("--grouping", choices=GROUPINGS, default="default", help="nodes by group, or one process each")
-    made.add_argument("--variant", action="append", help="run only this variant (may be repeated)")
-    made.add_argument("--name", help="folder below out/ for records, logs and report (default: the scenario's name)")
-    made.add_argument("--nodes", type=Path, help="another node table")
-    made.add_argument("--verbose", action="store_true", help="show every line of the nodes, not only warnings")
-    return made
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Options:
-    """What is asked besides the scenario."""
-
-    grouping: Grouping = "default"
-    namespace: str = ""
-    variants: tuple[str, ...] = ()
-    name: str = ""
-    verbose: bool = False
 
 
 class Bringup:
@@ -81,11 +43,13 @@ class Bringup:
 
     def run(self) -> ExitCode:
         """Everything; what went wrong is said on the console."""
-        first_domain = int(os.environ.get("ROS_DOMAIN_ID") or 0)
         for index, variant in enumerate(self._options.variants or tuple(self._scenario.variants)):
-            domain = (first_domain + index) % (_LARGEST_DOMAIN + 1)
             try:
-                self._run_variant(variant, domain)
+                with run_domain(skip=index) as domain:
+                    self._run_variant(variant, domain)
+            except NoDomainError as error:
+                self._console.say(str(error), "red")
+                return ExitCode.NOT_MATCHED
             except RunEndedError as error:
                 self._console.say(f"{variant}: {error}", "red")
                 self._console.say(f"logs: {self._logs(variant)}")
@@ -133,7 +97,8 @@ class Bringup:
             state = VariantRun(plan, supervisor, monitor, settings, self._console, self.stop).run()
         finally:
             monitor.close()
-        self._console.say(f"{variant}: {_outcome(state)}, in {time.monotonic() - started_s:.0f} s")
+        seconds = time.monotonic() - started_s
+        self._console.say(f"{variant}: {_outcome(state)}, in {seconds:.0f} s (ROS domain {domain})")
         if plan.has("recorder"):
             self._records[variant] = record
 
@@ -170,32 +135,6 @@ def locate_executable(package: str, executable: str) -> str:
     if not os.access(path, os.X_OK):
         raise GraphFailedError(f"package {package} has no executable {executable}; run `make setup`")
     return str(path)
-
-
-def split_options(arguments: argparse.Namespace) -> tuple[Options, list[str]]:
-    """Options, and the changes that concern the scenario.
-
-    Raises
-    ------
-    ArgumentError: if the namespace is no ROS name.
-    """
-    namespace, changes = "", []
-    for change in arguments.changes:
-        key, value = split_change(change)
-        if key == "namespace":
-            namespace = str(value).strip("/")
-        else:
-            changes.append(change)
-    if namespace and not re.fullmatch(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", namespace):
-        raise ArgumentError(f"namespace: {namespace!r} is no ROS name")
-    options = Options(
-        grouping=arguments.grouping,
-        namespace=namespace,
-        variants=tuple(arguments.variant or ()),
-        name=arguments.name or "",
-        verbose=arguments.verbose,
-    )
-    return options, changes
 
 
 def _outcome(state: LiveState) -> str:

@@ -6,6 +6,7 @@ watching costs next to nothing however fast the topics are.
 
 import contextlib
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -103,6 +104,13 @@ class GraphMonitor:
             if deaf:
                 lacking.append(f"{node.name} (hears no {', '.join(deaf)})")
         return lacking
+
+    def doubles(self) -> list[str]:
+        """Nodes of the plan that are in the graph more than once, in words: another run uses the same domain."""
+        found = Counter(self._node.get_node_names_and_namespaces())
+        namespace = f"/{self._plan.namespace}"
+        names = [node.name for node in self._plan.nodes if found[node.name, namespace] > 1]
+        return [f"there is another {self._plan.full_name(name)}" for name in names]
 
     def set_playing(self) -> str | None:
         """Let simulated time run; why it does not, or None."""

@@ -8,9 +8,12 @@ from typing import Literal
 import yaml
 
 from tracked_bringup.node_table import NodeEntry, NodeTable, Value
+from tracked_description import load_robot
 from tracked_report.node_parameters import node_parameters
 from tracked_report.scenario import Scenario
+from tracked_types import PeriodGrid, to_nanoseconds
 
+_PLAN_RATE_HZ = 5
 Grouping = Literal["default", "separate"]
 # Time stands still until every endpoint is matched, so that no first sample is lost.
 _GRAPH_ONLY: dict[str, dict[str, Value]] = {"sim_bridge": {"start_paused": True}}
@@ -117,6 +120,7 @@ def plan_graph(
     layers: list[Mapping[str, Mapping[str, Value]]] = [
         {name: {**common, **table.nodes[name].parameters} for name in names},
         _GRAPH_ONLY if "sim_bridge" in names else {},
+        _first_command(scenario, variant) if "sim_bridge" in names else {},
         {"command_arbiter": {"lock_step": scenario.time == "lock_step"}},
         node_parameters(scenario, variant),
         extra or {},
@@ -128,6 +132,19 @@ def plan_graph(
         by_process.setdefault(name if grouping == "separate" else node.entry.group, []).append(node)
     processes = [ProcessPlan(name, tuple(members)) for name, members in by_process.items()]
     return GraphPlan(tuple(sorted(processes, key=lambda process: process.order)), namespace)
+
+
+def _first_command(scenario: Scenario, variant: str) -> dict[str, dict[str, Value]]:
+    """When the simulator may expect the first command, so that every lock-step run starts alike.
+
+    A plan is made at the first 5 Hz instant after time zero, and takes effect a latency later.
+    """
+    if scenario.time != "lock_step" or scenario.reference is None:
+        return {}
+    latency_s = node_parameters(scenario, variant)["upper_nmpc"]["pipeline_latency_s"]
+    effective_ns = PeriodGrid(_PLAN_RATE_HZ).stamp_ns(1) + to_nanoseconds(float(str(latency_s)))
+    control = PeriodGrid(load_robot().control.rate_hz)
+    return {"sim_bridge": {"first_command_s": control.stamp_ns(control.index_at(effective_ns - 1) + 1) * 1e-9}}
 
 
 def _takes_part(node: str, scenario: Scenario, variant: str) -> bool:

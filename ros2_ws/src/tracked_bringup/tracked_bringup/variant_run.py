@@ -53,6 +53,10 @@ class Monitor(Protocol):
         """Subscriptions that do not hear every publisher yet."""
         ...
 
+    def doubles(self) -> list[str]:
+        """Nodes of the plan that are in the graph more than once."""
+        ...
+
     def refresh(self) -> LiveState:
         """State after the newest messages."""
         ...
@@ -127,6 +131,11 @@ class VariantRun:
             nodes = tuple(node for process in started for node in process.nodes)
             self._await(partial(self._monitor.missing, nodes), "endpoints", self._settings.start_limit_s)
         self._await(self._monitor.unconnected, "connections", self._settings.match_limit_s)
+        doubles = self._monitor.doubles()
+        if doubles:
+            raise RunEndedError(
+                ExitCode.NOT_MATCHED, f"{'; '.join(doubles)} in this domain; set ROS_DOMAIN_ID or namespace:=NAME"
+            )
         if self._plan.has("sim_bridge"):
             refusal = self._monitor.set_playing()
             if refusal:
