@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tools.setup import cmake_exports, commands, transform_messages, workspace
+from tools.setup import caches, cmake_exports, commands, transform_messages, workspace
 from tools.setup.layout import Layout
 from tools.setup.problem import SetupProblem
 from tools.setup.stamp import Stamp
@@ -151,3 +151,29 @@ class TestWorkspace:
         for name in ("crawler", "removed"):
             (layout.workspace / "install" / name).mkdir(parents=True)
         assert workspace.orphans(layout) == [layout.workspace / "install" / "removed"]
+
+
+class TestCaches:
+    @pytest.fixture
+    def layout(self, tmp_path: Path) -> Layout:
+        """A simulator that stands on a description and knows nothing of a report."""
+        for package, dependency in (("sim_bridge", "description"), ("description", "numpy"), ("report", "description")):
+            module = tmp_path / "ros2_ws" / "src" / package / package
+            (module / "nodes").mkdir(parents=True)
+            (module.parent / "package.xml").write_text(f"<package><exec_depend>{dependency}</exec_depend></package>")
+            for name in ("warm_up.py", "data.yaml", "nodes/node.py"):
+                (module / name).write_text(package)
+        return Layout(tmp_path)
+
+    def test_what_the_compiled_packages_stand_on_makes_them_stale(self, layout):
+        names = {f"{file.parent.name}/{file.name}" for file in caches.inputs(layout)}
+        assert names == {
+            "sim_bridge/warm_up.py",
+            "sim_bridge/data.yaml",
+            "description/warm_up.py",
+            "description/data.yaml",
+        }
+
+    def test_a_package_that_is_not_there_has_nothing_to_fill(self, tmp_path):
+        assert caches.warm_up_files(Layout(tmp_path)) == []
+        assert caches.inputs(Layout(tmp_path)) == []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from tools.setup.commands import clean_environment, run_logged
@@ -9,6 +10,7 @@ from tools.setup.layout import Layout
 
 # Modules whose ``python -m`` fills a cache; a package that is not there yet has nothing to fill.
 WARM_UPS = ("nmpc_layers.warm_up", "sim_bridge.warm_up")
+DEPENDENCY = re.compile(r"<(?:exec_)?depend>\s*(\w+)\s*<")
 
 
 def warm_up_files(layout: Layout) -> list[Path]:
@@ -22,10 +24,22 @@ def warm_up_files(layout: Layout) -> list[Path]:
 
 
 def inputs(layout: Layout) -> list[Path]:
-    """Every file a cache may depend on: the algorithms and their data."""
+    """Every file a cache may depend on: modules and data of the packages that fill one, and of what these stand on."""
     source = layout.workspace / "src"
-    modules = sorted([*source.glob("*/*/**/*.py"), *source.glob("*/*/**/*.yaml")])
-    return [file for file in modules if "test" not in file.relative_to(source).parts and "nodes" not in file.parts]
+    waiting = [file.parent.name for file in warm_up_files(layout)]
+    packages: set[str] = set()
+    while waiting:
+        package = waiting.pop()
+        if package not in packages and (source / package).is_dir():
+            packages.add(package)
+            waiting += DEPENDENCY.findall((source / package / "package.xml").read_text())
+    # Nodes only translate; nothing of theirs is compiled.
+    return [
+        file
+        for package in sorted(packages)
+        for file in sorted((source / package / package).rglob("*"))
+        if file.suffix in (".py", ".yaml") and "nodes" not in file.parts
+    ]
 
 
 def fill_caches(layout: Layout) -> None:
