@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +26,7 @@ from tracked_types import (
     to_nanoseconds,
 )
 
+SLIPS_KEPT = 16  # while a tick waits for its plan; lock-step lets time run on by three at most
 NO_PLAN = "no plan yet"
 
 
@@ -57,7 +59,7 @@ class LowerLayer:
 
     def _restart(self) -> None:
         self._plan: Trajectory | None = None
-        self._slip: Slip | None = None
+        self._slips: deque[Slip] = deque(maxlen=SLIPS_KEPT)
         self._solved_index: int | None = None
         self._ramp = StopRamp(self.settings.limits, self.settings.period_s, self.settings.hold_s)
         self._sent.forget()
@@ -76,9 +78,12 @@ class LowerLayer:
             self._plan = plan
 
     def set_slip(self, slip: Slip) -> None:
-        """The newest slip estimate; one that is not finite is ignored and then counts as missing."""
+        """The newest slip estimate; one that is not finite is ignored and then counts as missing.
+
+        A tick uses that of its own instant, however late it ticks.
+        """
         if math.isfinite(slip.speed_mps) and math.isfinite(slip.yaw_rate_radps):
-            self._slip = slip
+            self._slips.append(slip)
 
     def set_sent(self, command: VelocityCommand) -> None:
         """A command as it went to the base."""
@@ -87,20 +92,20 @@ class LowerLayer:
     def waits_for_plan(self, stamp_ns: int) -> bool:
         """Whether, in lock-step, the tick of ``stamp_ns`` must wait for a plan that is due by then.
 
-        A plan made at a 5 Hz instant is due with the first odometry ``pipeline_latency_s`` later. Until a
-        first plan has come nothing is waited for, nor after the clock has jumped back.
+        A plan made at a 5 Hz instant is due with the first odometry ``pipeline_latency_s`` later; the first
+        such instant is the one after time zero. After the clock has jumped back nothing is waited for.
         """
-        if self._plan is None or self._order.jumps_back(stamp_ns):
+        if self._order.jumps_back(stamp_ns):
             return False
         made_ns = stamp_ns - to_nanoseconds(self.settings.pipeline_latency_s)
         due_ns = self._plan_grid.stamp_ns(self._plan_grid.index_at(made_ns))
-        return self._plan.stamp_ns < due_ns
+        return due_ns > 0 if self._plan is None else self._plan.stamp_ns < due_ns
 
     def waits_for_slip(self, stamp_ns: int) -> bool:
         """Whether, in lock-step, the tick of ``stamp_ns`` must wait for the slip estimate of the same instant."""
-        if self._slip is None or self._order.jumps_back(stamp_ns):
+        if not self._slips or self._order.jumps_back(stamp_ns):
             return False
-        return self.settings.slip_compensation and self._slip.stamp_ns < stamp_ns
+        return self.settings.slip_compensation and self._slips[-1].stamp_ns < stamp_ns
 
     def update(self, odometry: Odometry) -> LowerOutput | None:
         """React to one odometry (planar, in the frame of the plan); None if nothing is due at its stamp.
@@ -163,12 +168,13 @@ class LowerLayer:
         """Slip to compensate, and why there is none although there should be."""
         if not self.settings.slip_compensation:
             return None, ""
-        if self._slip is None:
+        if not self._slips:
             return None, "no slip estimate yet: not compensated"
-        age_s = seconds_between(stamp_ns, self._slip.stamp_ns)
+        slip = next((slip for slip in reversed(self._slips) if slip.stamp_ns <= stamp_ns), self._slips[-1])
+        age_s = seconds_between(stamp_ns, slip.stamp_ns)
         if abs(age_s) > self.settings.slip_timeout_s:
             return None, f"slip estimate is {abs(age_s):.2f} s off: not compensated"
-        return self._slip, ""
+        return slip, ""
 
     def _solve(self, problem: Problem, index: int, stamp_ns: int) -> Solution:
         if self._solved_index is None:

@@ -67,7 +67,9 @@ class ImprovedProblem:
         settings = self._settings
         start_ns = odometry.stamp_ns + to_nanoseconds(self.horizon_start_s)
         ground, belts = self._ground(odometry, slip)
-        pose, belts = predict(odometry.pose, belts, sent.in_force(odometry.stamp_ns, start_ns), ground)
+        pose, belts = predict(
+            odometry.pose, belts, sent.in_force(odometry.stamp_ns, start_ns, before_ns=odometry.stamp_ns), ground
+        )
         states, _ = plan.at(start_ns, self._offsets)
         _, inputs = plan.at(start_ns, self._offsets[:-1] + 0.5 * settings.period_s)
         low, high = settings.limits.low, settings.limits.high

@@ -51,12 +51,16 @@ class SentCommands:
                 return self._twists[stamp]
         return STANDSTILL
 
-    def in_force(self, start_ns: int, end_ns: int) -> Iterator[tuple[float, Twist2]]:
-        """Durations (s) and commands at the motors from ``start_ns`` to ``end_ns``, in order."""
+    def in_force(self, start_ns: int, end_ns: int, *, before_ns: int | None = None) -> Iterator[tuple[float, Twist2]]:
+        """Durations (s) and commands at the motors from ``start_ns`` to ``end_ns``, in order.
+
+        Commands stamped ``before_ns`` or later are left out: whether an answer to the same odometry is known
+        already depends on who is faster, and the prediction must not.
+        """
         current, twist = start_ns, STANDSTILL
         for stamp in self._stamps:
             arrival = stamp + self._delay_ns
-            if arrival >= end_ns:
+            if arrival >= end_ns or (before_ns is not None and stamp >= before_ns):
                 break
             if arrival > current:
                 yield seconds_between(arrival, current), twist

@@ -146,7 +146,7 @@ class UpperLayer:
             horizon_s = settings.horizon * settings.period_s
             reference = self.approach.reference(reference, odometry, start_ns, horizon_s)
         # The slip-free model of this layer takes the measured yaw rate for that of the belts.
-        commands = self._sent.in_force(odometry.stamp_ns, start_ns)
+        commands = self._sent.in_force(odometry.stamp_ns, start_ns, before_ns=odometry.stamp_ns)
         pose, _ = predict(odometry.pose, odometry.twist, commands, GroundModel(lag_s=settings.motor_lag_s))
         offsets = step_times(settings.period_s, settings.horizon)
         states, inputs = reference.at(start_ns, offsets)

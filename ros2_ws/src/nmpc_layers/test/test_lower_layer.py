@@ -47,7 +47,8 @@ def test_before_the_first_plan_there_is_no_command(layer_with, odometry_at, slip
 
 def test_lock_step_waits_for_the_plan_that_is_due(layer_with, straight):
     layer = layer_with(pipeline_latency_s=0.1)
-    assert not layer.waits_for_plan(to_nanoseconds(5.0)), "none has ever come"
+    assert not layer.waits_for_plan(to_nanoseconds(0.3) - 1), "none is made at time zero"
+    assert layer.waits_for_plan(to_nanoseconds(0.3))
     layer.set_plan(straight(0.2))
     assert not layer.waits_for_plan(to_nanoseconds(0.3))
     assert not layer.waits_for_plan(to_nanoseconds(0.5) - 1)
@@ -77,6 +78,17 @@ def test_lock_step_waits_for_the_slip_of_the_same_instant(layer_with, slip_at):
     assert not layer.waits_for_slip(to_nanoseconds(1.0))
     assert layer.waits_for_slip(to_nanoseconds(1.02))
     assert not layer_with(slip_compensation=False).waits_for_slip(to_nanoseconds(1.0))
+
+
+def test_late_tick_uses_the_slip_of_its_own_instant(layer_with, odometry_at, slip_at, straight):
+    outputs = []
+    for stamps in ((1.0,), (1.0, 1.0 + 1.0 / 60.0, 1.0 + 2.0 / 60.0)):
+        layer = layer_with()
+        layer.set_plan(straight(0.9))
+        for index, stamp_s in enumerate(stamps):
+            layer.set_slip(replace(slip_at(stamp_s), yaw_rate_radps=-0.2 * index))
+        outputs.append(layer.update(odometry_at(1.0)).command)
+    assert outputs[0] == outputs[1]
 
 
 def test_missing_plans_ramp_down_within_the_limits_and_it_recovers(layer_with, odometry_at, slip_at, straight, robot):

@@ -29,6 +29,14 @@ def test_commands_act_a_transport_delay_after_their_stamp():
     ]
 
 
+def test_answers_to_the_same_odometry_are_not_foreseen():
+    sent = SentCommands(0.0)
+    sent.add(command(0.9, 0.1))
+    sent.add(command(1.0, 0.2))
+    known = sent.in_force(to_nanoseconds(1.0), to_nanoseconds(1.1), before_ns=to_nanoseconds(1.0))
+    assert [twist.speed_mps for _, twist in known] == [0.1]
+
+
 def test_nothing_sent_is_standstill():
     assert in_force(SentCommands(0.04), 1.0, 1.04) == [(pytest.approx(0.04), 0.0)]
 

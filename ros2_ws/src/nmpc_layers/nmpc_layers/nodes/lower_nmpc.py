@@ -25,7 +25,7 @@ from node_kit.conversions import (
 from tracked_description import ROBOT_FILE, load_robot
 from tracked_types import Odometry, Slip, Trajectory
 
-QUEUE = 120  # odometry kept while waiting in lock-step: far more than the simulator can run ahead
+QUEUE = 120  # odometry kept while waiting in lock-step: far more than the simulator can run ahead once locked
 
 PARAMETERS = ParameterTable.from_settings(
     LowerSettings,
@@ -83,11 +83,14 @@ class LowerNmpcNode(StackNode):
 
     def work_off(self) -> None:
         """Tick for the waiting odometry, as far as lock-step permits."""
-        while self.waiting:
-            stamp_ns = self.waiting[0].stamp_ns
-            if self.lock_step and (self.layer.waits_for_plan(stamp_ns) or self.layer.waits_for_slip(stamp_ns)):
-                return
+        # Time that runs on although no command came is not locked: there is nothing to wait for.
+        overdue = len(self.waiting) == QUEUE
+        while self.waiting and (overdue or not self.must_wait(self.waiting[0].stamp_ns)):
             self.tick(self.waiting.popleft())
+
+    def must_wait(self, stamp_ns: int) -> bool:
+        """Whether the tick of a stamp lacks what lock-step promises it."""
+        return self.lock_step and (self.layer.waits_for_plan(stamp_ns) or self.layer.waits_for_slip(stamp_ns))
 
     def tick(self, odometry: Odometry) -> None:
         """Publish what one odometry brings about."""
