@@ -56,7 +56,7 @@ class PoseFilter:
         belts, body = settings.belt_acceleration_mps2, settings.body_yaw_acceleration_radps2
         # Per second: the ceiling lets an acceleration build up within a sample, the floor over minutes.
         self._speed_noise = AdaptiveNoise(1e-5 * belts**2, 1e3 * belts**2, rate=0.15)
-        self._yaw_noise = AdaptiveNoise(1e-4 * body**2, 1e3 * body**2, rate=0.1)
+        self._yaw_noise = AdaptiveNoise(1e-5 * body**2, 1e3 * body**2, rate=0.15)
         self._gyro_variance = max(settings.gyro_noise_radps, 1e-5) ** 2
         # Mean of two counters, each rounded to whole ticks.
         self._rolled_variance = settings.encoder_tick_m**2 / 24.0
@@ -156,7 +156,7 @@ class PoseFilter:
     def update_gyro(self, rate_radps: float, stamp_ns: int, *, standing: bool) -> Innovation:
         """Fuse a gyro reading; at rest it is a reading of the bias."""
         expected, variance = self.expect_gyro()
-        innovation = Innovation(stamp_ns, "imu", rate_radps - expected, variance)
+        innovation = Innovation(stamp_ns, "imu", rate_radps - expected, variance, at_rest=standing)
         self._correct(rate_radps, _BIAS_ROW if standing else _GYRO_ROW, self._gyro_variance)
         if not standing:
             self._yaw_noise.observe(innovation.normalised_square)

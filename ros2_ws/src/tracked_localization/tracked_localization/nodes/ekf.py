@@ -42,6 +42,7 @@ class EkfNode(StackNode):
         to_slip_message = partial(slip_to_message, frame_id=self.frame(settings.base_frame))
         self.odometry = self.publish_typed(OdometryMessage, "odom", odometry_to_message, qos.STATE)
         self.slip = self.publish_typed(SlipEstimate, "slip", to_slip_message, qos.STATE)
+        self.transforms.advertise()
         to_tracks = partial(tracks_from_message, wheel_radius_m=robot.tracks.wheel_radius_m)
         imu_frame = self.frame(robot.frames.imu)
         self.subscribe_typed(Imu, "imu/data", imu_from_message, self.on_imu, qos.SENSOR, expected_frame=imu_frame)
