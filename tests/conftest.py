@@ -8,6 +8,7 @@ import pytest
 from tests.support.domains import own_domain
 from tests.support.node_process import NodeProcess
 from tests.support.probe import Probe, own_probe
+from tests.support.step_run import StepRun, drive_over_the_step
 
 
 @pytest.fixture
@@ -39,3 +40,10 @@ def start_node(ros_domain: int, tmp_path: Path) -> Iterator[Callable[..., NodePr
     yield start
     for process in reversed(started):
         process.end()
+
+
+@pytest.fixture(scope="session")
+def step_run(tmp_path_factory: pytest.TempPathFactory) -> StepRun:
+    """The step scenario, driven once for all tests that look at it."""
+    with own_domain() as domain:
+        return drive_over_the_step(domain, tmp_path_factory.mktemp("step"))

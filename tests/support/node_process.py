@@ -57,6 +57,12 @@ class NodeProcess:
         except subprocess.TimeoutExpired as error:
             raise AssertionError(f"{self.arguments} still runs after {timeout_s} s:\n{self.output[-4000:]}") from error
 
+    def ends_within(self, timeout_s: float) -> bool:
+        """Whether it has ended, after waiting for that at most so long."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(timeout_s)
+        return not self.is_running
+
     def stop(self, number: signal.Signals = signal.SIGINT) -> int:
         """Signal it and return its exit code."""
         if self.is_running:

@@ -26,9 +26,14 @@ class TransformBroadcaster:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._message = TFMessage(transforms=[TransformStamped()])
-        self._publisher = node.create_publisher(TFMessage, "tf", _MOVING)
+        self._publisher: Publisher | None = None
         self._static_publisher: Publisher | None = None
         self._static: dict[str, StampedTransform] = {}
+
+    def advertise(self) -> None:
+        """Publish on tf from now on; a node that only sends fixed transforms is no publisher of it."""
+        if self._publisher is None:
+            self._publisher = self._node.create_publisher(TFMessage, "tf", _MOVING)
 
     def send(
         self,
@@ -42,7 +47,9 @@ class TransformBroadcaster:
         yaw: float,
         stamp_ns: int,
     ) -> None:
-        """Send the pose of ``child`` in ``parent`` (m, rad) at ``stamp_ns``."""
+        """Send the pose of ``child`` in ``parent`` (m, rad) at ``stamp_ns``; `advertise` first, to be heard at once."""
+        self.advertise()
+        assert self._publisher is not None
         transform = RigidTransform.from_euler(x, y, z, roll, pitch, yaw)
         fill_transform(self._message.transforms[0], StampedTransform(stamp_ns, parent, child, transform))
         self._publisher.publish(self._message)

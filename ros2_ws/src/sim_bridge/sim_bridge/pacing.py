@@ -18,6 +18,9 @@ _CATCH_UP_S = 0.05
 
 _ASK_AGAIN_S = 0.1
 
+_FIRST_COMMAND_PATIENCE_S = 2.0
+"""Wall time for which the first command is awaited; perhaps nobody means to send one."""
+
 _METER_WINDOW_S = 2.0
 
 
@@ -27,13 +30,25 @@ class LockStalled(RuntimeError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PacingSettings:
-    """How simulated time goes on; ``budget_ns`` is how far it may run ahead of the newest command's stamp."""
+    """How simulated time goes on.
+
+    budget_ns: how far it may run ahead of the newest command's stamp. odometry_period_ns: how far beyond the
+    instant of the first command.
+    """
 
     budget_ns: int
+    odometry_period_ns: int
     time_mode: str = setting(
         "paced",
         "Pace of simulated time: as real time, as fast as possible, or locked to the commands (after the first)",
         choices=TIME_MODES,
+    )
+    first_command_s: float = setting(
+        0.0,
+        "Simulated time that the first command will answer; lock-step awaits it there for a while, so that every run "
+        "starts alike (0: time goes on until it comes)",
+        unit="s",
+        low=0.0,
     )
     lock_step_limit_s: float = setting(
         10.0, "Wall time without a command after which lock-step gives up with an error", unit="s", low=0.1
@@ -45,8 +60,13 @@ class PacingSettings:
     @classmethod
     def from_robot(cls, robot: Robot, **tuning: Any) -> "PacingSettings":
         """Settings with the budget that never dead-locks: one control period and one odometry period."""
-        budget = 1.0 / robot.control.rate_hz + 1.0 / robot.odometry.rate_hz
-        return cls(budget_ns=to_nanoseconds(budget) + _ROUNDING_NS, **tuning)
+        odometry_period = 1.0 / robot.odometry.rate_hz
+        budget = 1.0 / robot.control.rate_hz + odometry_period
+        return cls(
+            budget_ns=to_nanoseconds(budget) + _ROUNDING_NS,
+            odometry_period_ns=to_nanoseconds(odometry_period) + _ROUNDING_NS,
+            **tuning,
+        )
 
 
 class Pacer:
@@ -56,11 +76,12 @@ class Pacer:
         self._settings = settings
         self._anchor: tuple[int, float] | None = None
         self._waiting_since_s: float | None = None
+        self._first_since_s: float | None = None
 
     def restart(self) -> None:
         """Forget the past: the world was paused or reset."""
         self._anchor = None
-        self._waiting_since_s = None
+        self._waiting_since_s = self._first_since_s = None
 
     def wait_s(self, stamp_ns: int, next_stamp_ns: int, newest_command_ns: int | None, wall_s: float) -> float:
         """How long the tick from ``stamp_ns`` to ``next_stamp_ns`` has to wait yet, at ``wall_s`` of a steady clock.
@@ -73,9 +94,11 @@ class Pacer:
         """
         if self._settings.time_mode == "unpaced":
             return 0.0
-        if self._settings.time_mode == "paced" or newest_command_ns is None:
+        if self._settings.time_mode == "paced":
             return self._paced(stamp_ns, next_stamp_ns, wall_s)
-        return self._locked(next_stamp_ns, newest_command_ns, wall_s)
+        if newest_command_ns is not None:
+            return self._locked(next_stamp_ns, newest_command_ns, wall_s)
+        return self._awaiting_first(next_stamp_ns, wall_s) or self._paced(stamp_ns, next_stamp_ns, wall_s)
 
     def waited_s(self, wall_s: float) -> float:
         """How long lock-step has been waiting for a command, 0 if it is not."""
@@ -89,6 +112,14 @@ class Pacer:
     @staticmethod
     def _lag_s(anchor: tuple[int, float], stamp_ns: int, wall_s: float) -> float:
         return (wall_s - anchor[1]) - seconds_between(stamp_ns, anchor[0])
+
+    def _awaiting_first(self, next_stamp_ns: int, wall_s: float) -> float:
+        first_ns = to_nanoseconds(self._settings.first_command_s)
+        if first_ns == 0 or next_stamp_ns <= first_ns + self._settings.odometry_period_ns:
+            return 0.0
+        if self._first_since_s is None:
+            self._first_since_s = wall_s
+        return _ASK_AGAIN_S if wall_s - self._first_since_s < _FIRST_COMMAND_PATIENCE_S else 0.0
 
     def _locked(self, next_stamp_ns: int, newest_command_ns: int, wall_s: float) -> float:
         if next_stamp_ns <= newest_command_ns + self._settings.budget_ns:

@@ -64,6 +64,16 @@ def test_lock_step_keeps_real_time_until_the_first_command():
     assert may(locked, 0, 1.01 * PERIOD_S)
 
 
+def test_lock_step_awaits_the_first_command_at_its_instant_but_not_for_ever():
+    locked, tick = pacer("lock_step", first_command_s=0.3), 0
+    for wall_s in (0.0, *(0.1 + 0.5 * PERIOD_S * k for k in range(120))):
+        while may(locked, tick, wall_s):
+            tick += 1
+    assert TICKS.stamp_ns(tick) == pytest.approx(300_000_000 + 16_666_667, abs=2)
+    assert not may(locked, tick, 1.9)
+    assert [may(locked, tick, wall_s) for wall_s in (2.5, 2.5 + 1.01 * PERIOD_S)] == [False, True]
+
+
 def test_lock_step_stops_one_control_and_one_odometry_period_after_the_newest_command():
     locked, tick = pacer("lock_step"), 12
     while may(locked, tick, 0.0, TICKS.stamp_ns(12)):
