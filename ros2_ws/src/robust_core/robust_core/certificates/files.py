@@ -9,6 +9,7 @@ import numpy as np
 
 from robust_core.certificates.certificate import Certificate
 from robust_core.errors import ArgumentError, CertificateDamagedError, CertificateMismatchError
+from robust_core.models.filter_plant import FilterPlant
 from robust_core.models.polytope import PolytopicSystem, digest_of
 from robust_core.rational import exact_array, to_text
 from robust_core.theorems import theorem_from_json
@@ -17,7 +18,10 @@ from robust_core.theorems.base import Model
 FORMAT = "robust_core certificate 1"
 _KEYS = {"format", "theorem", "model", "model_digest", "claim", "values", "multipliers", "margins", "digest"}
 
-MODEL_KINDS: dict[str, Callable[[Any], Model]] = {"polytopic": PolytopicSystem.from_json}
+MODEL_KINDS: dict[str, Callable[[Any], Model]] = {
+    "polytopic": PolytopicSystem.from_json,
+    "filter_plant": FilterPlant.from_json,
+}
 """How models are read back, by the ``kind`` that their to_json gives."""
 
 

@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from importlib import import_module
 from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
@@ -77,6 +78,10 @@ class Theorem(ABC):
         return {name: _tuples(value) for name, value in options.items()}
 
 
+PROVIDERS = ("robust_core.stabilisation", "robust_core.filtering", "robust_core.observers", "robust_core.terminal")
+"""Packages with theorems of their own, imported when a certificate names one that is not known yet."""
+
+
 def theorem_from_json(content: Any) -> Theorem:
     """The theorem that :meth:`Theorem.to_json` described.
 
@@ -85,6 +90,9 @@ def theorem_from_json(content: Any) -> Theorem:
     CertificateMismatchError: for an unknown theorem or other options than it has.
     """
     name, options = content["name"], content["options"]
+    if name not in Theorem.REGISTRY:
+        for package in PROVIDERS:
+            import_module(package)
     kind = Theorem.REGISTRY.get(name)
     if kind is None:
         raise CertificateMismatchError(

@@ -1,0 +1,1 @@
+"""Observers that detect faults, and proofs of what they detect."""

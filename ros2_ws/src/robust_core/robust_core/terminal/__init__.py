@@ -1,0 +1,1 @@
+"""Terminal weights and sets of predictive controllers, with proofs that the cost descends."""
