@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from nav_msgs.msg import Odometry
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from std_msgs.msg import String
 
 from tracked_bringup.node_table import load_node_table
 from tracked_bringup.scenarios import load_scenario
@@ -88,15 +89,19 @@ def test_a_node_that_is_needed_and_dies_ends_the_run_with_a_code(bringup, tmp_pa
 
 
 def test_a_node_that_may_come_back_does_and_an_idle_run_ends_well(bringup, tmp_path, probe):
-    process = bringup("idle", "--grouping", "separate", "--verbose")
+    process = bringup("idle", "--grouping", "separate")
     odom = probe.collect(Odometry, "odom")
     probe.wait_until(lambda: odom, timeout_s=RUN_LIMIT_S, what="odometry")
-    first = processes_of(tmp_path)["ekf"]
+    first = processes_of(tmp_path)["description"]
     os.kill(first, signal.SIGKILL)
-    probe.wait_until(lambda: processes_of(tmp_path).get("ekf", first) != first, what="another process")
-    odom.clear()
-    probe.wait_until(lambda: odom, timeout_s=RUN_LIMIT_S, what="odometry again")
-    assert "[ekf] ended (signal 9): started again, 1 of 3" in process.output
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    words = probe.collect(String, "robot_description", latched)
+    probe.wait_until(
+        lambda: words and processes_of(tmp_path).get("description", first) != first,
+        timeout_s=RUN_LIMIT_S,
+        what="the description by another process",
+    )
+    assert "[description] ended (signal 9): started again, 1 of 3" in process.output
     assert process.stop(signal.SIGINT) == 0
     assert processes_of(tmp_path) == {}
 

@@ -28,9 +28,10 @@ class Console:
     def status(self, text: str) -> None:
         """Replace the live line; an empty text removes it."""
         with self._lock:
-            self._clear()
-            self._status = text[:_LONGEST]
-            self._draw()
+            if text[:_LONGEST] != self._status:
+                self._clear()
+                self._status = text[:_LONGEST]
+                self._draw()
 
     def _clear(self) -> None:
         if self._live and self._status:

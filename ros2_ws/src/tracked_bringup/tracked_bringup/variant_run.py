@@ -19,6 +19,7 @@ MATCH_LIMIT_S = 10.0  # for endpoints to be connected
 STALL_LIMIT_S = 30.0  # without simulated time going on
 AFTER_GOAL_S = 1.0
 _POLL_S = 0.05
+_START_POLL_S = 0.1
 _STATUS_EVERY_S = 0.25
 
 
@@ -146,9 +147,10 @@ class VariantRun:
         missing = lacking()
         progress_s = self._clock()
         while missing:
-            self._console.status(f"{self._settings.label}  waiting for the {what} of {len(missing)} nodes")
+            names = ", ".join(entry.partition(" ")[0] for entry in missing)
+            self._console.status(f"{self._settings.label}  waiting for the {what} of {names}")
             self._supervisor.check(starting=True)
-            self._pause(_POLL_S)
+            self._pause(_START_POLL_S)
             before, missing = missing, lacking()
             now_s = self._clock()
             if missing != before:
