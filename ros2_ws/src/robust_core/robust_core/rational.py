@@ -71,7 +71,7 @@ def to_float(values: Exact) -> Floats:
 
 
 def _quotient(value: Any) -> float:
-    if isinstance(value, Fraction):
+    if type(value) is Fraction:
         return value.numerator / value.denominator
     return float(int(value.p) / int(value.q))
 

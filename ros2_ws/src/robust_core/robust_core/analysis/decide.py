@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from robust_core.certificates import Certificate
-from robust_core.certificates.dual import check_dual, exact_multipliers
+from robust_core.certificates.dual import prove_infeasible
 from robust_core.certificates.primal import check_exact, check_float
 from robust_core.errors import NotProvenError, ProofFailedError
 from robust_core.lmi.coefficients import coefficients
@@ -87,13 +87,10 @@ def conclude_infeasible(theorem: Theorem, model: Model, found: ConicSolution, *,
     if not exact:
         reason = f"the best margin is {found.margin:.3g}; only exact arithmetic can tell that there is no solution"
         return Result(Verdict.UNDECIDED, reason, found.margin, None, found.iterations)
-    multipliers = exact_multipliers(theorem, model, found.multipliers)
-    reason = f"the best margin is {found.margin:.3g}, and neither a solution nor a dual certificate could be proven"
-    if multipliers is None:
-        return Result(Verdict.UNDECIDED, reason, found.margin, None, found.iterations)
     try:
-        check_dual(theorem, model, multipliers)
+        multipliers = prove_infeasible(theorem, model, found.multipliers)
     except ProofFailedError as error:
+        reason = f"the best margin is {found.margin:.3g}, and neither a solution nor its absence could be proven"
         return Result(Verdict.UNDECIDED, f"{reason} ({error})", found.margin, None, found.iterations)
     certificate = Certificate(theorem, model, None, multipliers)
     if theorem.USES_RATES and not model.rates_proven:

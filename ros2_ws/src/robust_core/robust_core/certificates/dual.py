@@ -25,7 +25,10 @@ def check_dual(theorem: Theorem, model: Model, multipliers: Mapping[str, Exact])
     ------
     ProofFailedError: if they do not; the text says what fails.
     """
-    constraints = _exact_constraints(theorem, model)
+    _check(_exact_constraints(theorem, model), multipliers)
+
+
+def _check(constraints: Sequence[Constraint], multipliers: Mapping[str, Exact]) -> None:
     if set(multipliers) != {constraint.name for constraint in constraints}:
         raise ProofFailedError("the multipliers are not those of this theorem's inequalities")
     for constraint in constraints:
@@ -42,15 +45,26 @@ def check_dual(theorem: Theorem, model: Model, multipliers: Mapping[str, Exact])
         raise ProofFailedError("the multipliers contradict nothing")
 
 
-def exact_multipliers(theorem: Theorem, model: Model, found: Sequence[Floats]) -> dict[str, Exact] | None:
-    """Exact multipliers near the solver's floats ``found`` (in the order of the constraints), or None.
+def prove_infeasible(theorem: Theorem, model: Model, found: Sequence[Floats]) -> dict[str, Exact]:
+    """Exact multipliers near the solver's floats ``found`` (in the order of the constraints) that pass the check.
 
-    Each is pushed into the cone a little; then as many entries as there are unknowns, in the blocks with most room,
-    are changed so that the equations hold exactly. The result still has to pass :func:`check_dual`.
+    Raises
+    ------
+    ProofFailedError: if none could be made.
     """
     constraints = _exact_constraints(theorem, model)
+    multipliers = _exact_multipliers(constraints, found)
+    if multipliers is None:
+        raise ProofFailedError("the solver's multipliers could not be made exact")
+    _check(constraints, multipliers)
+    return multipliers
+
+
+def _exact_multipliers(constraints: Sequence[Constraint], found: Sequence[Floats]) -> dict[str, Exact] | None:
+    """Each is pushed into the cone a little; then as many entries as there are unknowns, in the blocks with most room,
+    are changed so that the equations hold exactly."""
     scale = max(float(np.abs(Z).max()) for Z in found)
-    if not scale > 0.0:
+    if not (scale > 0.0 and np.isfinite(scale)):
         return None
     exact, room = [], []
     for Z in found:

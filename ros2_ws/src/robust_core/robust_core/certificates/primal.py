@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+
 import numpy as np
 
 from robust_core.errors import ProofFailedError
@@ -64,5 +65,5 @@ def scaled_margin(matrices: Floats, magnitude: Floats) -> float:
     scale = 1.0 / np.sqrt(diagonal)
     outer = scale[:, :, None] * scale[:, None, :]
     size = matrices.shape[-1]
-    rounding = 64.0 * np.finfo(np.float64).eps * size * max(1.0, float((magnitude * outer).max()))
-    return float(np.linalg.eigvalsh(matrices * outer).min()) - rounding
+    rounding = 64.0 * 2.0**-52 * size * max(1.0, float((magnitude * outer).max()))
+    return float(np.linalg.eigvalsh(matrices * outer).min() - rounding)

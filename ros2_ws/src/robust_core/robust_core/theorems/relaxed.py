@@ -18,9 +18,10 @@ class Relaxed(LyapunovTheorem):
     """P_r >= P_z > 0 with 1/2 He(P_i A_j + P_j A_i) + sum_{r != z} phi_r (P_r - P_z) < 0, (2.2.7)-(2.2.8).
 
     ``z`` is the weight whose rate is eliminated, with the minus sign that (2.2.6) lacks; None takes the largest phi,
-    the first of equal ones. The ordering P_r >= P_z cannot be left out: without it every point of example 2.4.1 is
-    falsely feasible (erratum 2.2.7). The conclusion is local, not global (erratum 2.3), and the theorem does not
-    contain theorem 2.2 (erratum 2.2.11); :class:`~robust_core.theorems.slack.Slack` contains both.
+    the first of those whose enclosures do not tell them apart (at many points of example 2.4.1 two are equal).
+    The ordering P_r >= P_z cannot be left out: without it every point of example 2.4.1 is falsely feasible (erratum
+    2.2.7). The conclusion is local, not global (erratum 2.3), and the theorem does not contain theorem 2.2 (erratum
+    2.2.11); :class:`~robust_core.theorems.slack.Slack` contains both.
     """
 
     NAME = "2.3"
@@ -32,7 +33,7 @@ class Relaxed(LyapunovTheorem):
         """With z chosen; RateError without rates."""
         rates = model.require_rates("theorem 2.3")
         if self.z is None:
-            return replace(self, z=int(np.argmax(rates.high)))
+            return replace(self, z=int(np.flatnonzero(rates.high >= rates.low.max())[0]))
         if not 0 <= self.z < model.count:
             raise ArgumentError("z", f"a weight 0..{model.count - 1}", repr(self.z))
         return self
