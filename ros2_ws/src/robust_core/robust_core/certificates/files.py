@@ -10,6 +10,7 @@ import numpy as np
 from robust_core.certificates.certificate import Certificate
 from robust_core.errors import ArgumentError, CertificateDamagedError, CertificateMismatchError
 from robust_core.models.filter_plant import FilterPlant
+from robust_core.models.lipschitz_plant import LipschitzPlant
 from robust_core.models.polytope import PolytopicSystem, digest_of
 from robust_core.rational import exact_array, to_text
 from robust_core.theorems import theorem_from_json
@@ -21,6 +22,7 @@ _KEYS = {"format", "theorem", "model", "model_digest", "claim", "values", "multi
 MODEL_KINDS: dict[str, Callable[[Any], Model]] = {
     "polytopic": PolytopicSystem.from_json,
     "filter_plant": FilterPlant.from_json,
+    "lipschitz_plant": LipschitzPlant.from_json,
 }
 """How models are read back, by the ``kind`` that their to_json gives."""
 

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from robust_core.rational import rational
+
 NON_STRICT_WEIGHT = 2.0**-10
 """Share of the margin that a non-strict constraint gets: enough to survive rounding, too little to compete.
 
@@ -52,7 +54,8 @@ def blocks(rows: list[list[Any]]) -> Any:
     widths = [next(np.shape(block)[-1] for block in column if block is not None) for column in columns]
     given = [np.asarray(block) for row in rows for block in row if block is not None]
     lead = np.broadcast_shapes(*(block.shape[:-2] for block in given))
-    out = np.zeros((*lead, sum(heights), sum(widths)), dtype=np.result_type(*given))
+    kind = np.result_type(*given)
+    out = np.full((*lead, sum(heights), sum(widths)), rational(0) if kind == object else 0.0, dtype=kind)
     top = 0
     for row, height in zip(rows, heights, strict=True):
         left = 0
