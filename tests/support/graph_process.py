@@ -1,5 +1,6 @@
 """A whole graph, started as a user starts it, with its processes in reach."""
 
+import contextlib
 import os
 import signal
 from pathlib import Path
@@ -36,3 +37,12 @@ class GraphProcess(NodeProcess):
         return "\n".join(
             log.read_text(errors="replace") for log in (self.folder / run / "logs" / variant).glob("*.log")
         )
+
+    def left_behind(self) -> list[int]:
+        """Processes that still use a parameter file of this graph."""
+        found = []
+        for command in Path("/proc").glob("[0-9]*/cmdline"):
+            with contextlib.suppress(OSError):
+                if str(self.folder) in command.read_text(errors="replace") and int(command.parent.name) != self.pid:
+                    found.append(int(command.parent.name))
+        return found
