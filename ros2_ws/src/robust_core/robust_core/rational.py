@@ -124,10 +124,11 @@ def solve_exact(matrix: Exact, right: Exact) -> Exact:
     size = len(right)
     work = np.concatenate([matrix, right[:, None]], axis=1)
     for step in range(size):
-        pivots = [row for row in range(step, size) if work[row, step] != 0]
-        if not pivots:
+        pivot = next((row for row in range(step, size) if work[row, step] != 0), None)
+        if pivot is None:
             raise ArgumentError("matrix", "regular", "a singular one")
-        work[[step, pivots[0]]] = work[[pivots[0], step]]
+        if pivot != step:
+            work[[step, pivot]] = work[[pivot, step]]
         work[step, step:] = work[step, step:] / work[step, step]
         for row in range(size):
             if row != step and work[row, step] != 0:

@@ -12,7 +12,7 @@ import numpy as np
 
 from robust_core.errors import ArgumentError, ProofFailedError
 from robust_core.lmi.constraint import Constraint
-from robust_core.rational import Exact, Floats, all_zero, definite, exact_array, rational, solve_exact, to_float
+from robust_core.rational import Exact, Floats, all_zero, definite, exact_array, rational, solve_exact
 from robust_core.theorems.base import Model, Theorem
 
 _PUSH = 1e-9
@@ -53,14 +53,17 @@ def prove_infeasible(theorem: Theorem, model: Model, found: Sequence[Floats]) ->
     ProofFailedError: if none could be made.
     """
     constraints = _exact_constraints(theorem, model)
-    multipliers = _exact_multipliers(constraints, found)
+    floats = theorem.constraints(theorem.data(model, bound="low"), theorem.unknowns(model).probes())
+    multipliers = _exact_multipliers(constraints, floats, found)
     if multipliers is None:
         raise ProofFailedError("the solver's multipliers could not be made exact")
     _check(constraints, multipliers)
     return multipliers
 
 
-def _exact_multipliers(constraints: Sequence[Constraint], found: Sequence[Floats]) -> dict[str, Exact] | None:
+def _exact_multipliers(
+    constraints: Sequence[Constraint], floats: Sequence[Constraint], found: Sequence[Floats]
+) -> dict[str, Exact] | None:
     """Each is pushed into the cone a little; then as many entries as there are unknowns, in the blocks with most room,
     are changed so that the equations hold exactly."""
     scale = max(float(np.abs(Z).max()) for Z in found)
@@ -73,13 +76,14 @@ def _exact_multipliers(constraints: Sequence[Constraint], found: Sequence[Floats
         exact.append(exact_array(normal))
         room.append(np.linalg.eigvalsh(normal).min(axis=-1))
     _, residual = _pairing(constraints, exact)
-    columns, places = _columns(constraints)
+    columns, places = _columns(floats)
     weights = np.array([room[family][block] for family, block, _, _ in places])
-    chosen = _pivots(to_float(columns), weights)
+    chosen = _pivots(columns, weights)
     if chosen is None:
         return None
+    square = np.stack([_column(constraints, places[index]) for index in chosen], axis=1)
     try:
-        change = solve_exact(columns[:, chosen], -residual)
+        change = solve_exact(square, -residual)
     except ArgumentError:
         return None
     for value, index in zip(change, chosen, strict=True):
@@ -103,8 +107,19 @@ def _pairing(constraints: Sequence[Constraint], multipliers: Sequence[Exact]) ->
     return total[0], total[1:] - total[0]
 
 
-def _columns(constraints: Sequence[Constraint]) -> tuple[Exact, list[tuple[int, int, int, int]]]:
-    """The equations' coefficients (unknowns, entries), and where each entry of a multiplier is."""
+Place = tuple[int, int, int, int]
+
+
+def _column(constraints: Sequence[Constraint], place: Place) -> Exact:
+    """Exact coefficients of one entry of a multiplier, and of the one across, in all equations."""
+    family, block, row, column = place
+    entries = constraints[family].matrices[:, block, row, column]
+    linear: Exact = entries[1:] - entries[0]
+    return linear if row == column else 2 * linear
+
+
+def _columns(constraints: Sequence[Constraint]) -> tuple[Floats, list[Place]]:
+    """The equations' coefficients (unknowns, entries) in floats, and where each entry of a multiplier is."""
     parts, places = [], []
     for family, constraint in enumerate(constraints):
         linear = constraint.matrices[1:] - constraint.matrices[0]

@@ -55,7 +55,7 @@ def blocks(rows: list[list[Any]]) -> Any:
     given = [np.asarray(block) for row in rows for block in row if block is not None]
     lead = np.broadcast_shapes(*(block.shape[:-2] for block in given))
     kind = np.result_type(*given)
-    out = np.full((*lead, sum(heights), sum(widths)), rational(0) if kind == object else 0.0, dtype=kind)
+    out = np.full((*lead, sum(heights), sum(widths)), rational(0) if kind.hasobject else 0.0, dtype=kind)
     top = 0
     for row, height in zip(rows, heights, strict=True):
         left = 0

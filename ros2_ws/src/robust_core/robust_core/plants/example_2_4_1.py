@@ -3,8 +3,11 @@
 Entry (1, 2) of (2.4.1) is -4, not the printed -1 (erratum 2.4.1): only then do the vertices mix to it.
 """
 
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from robust_core.models.polytope import PolytopicSystem
 from robust_core.rational import Exact, exact_array, rational
@@ -76,3 +79,22 @@ def symbolic(half_width: float, *, upper_right: float = -4.0) -> "StateDependent
         groups=GROUPS,
         parameters=p,
     )
+
+
+@dataclass(frozen=True)
+class Family:
+    """Models for points (alpha, beta), with rates enclosed over |x1|, |x2| <= half_width rounded up."""
+
+    half_width: float
+
+    def __call__(self, points: Any) -> list[PolytopicSystem]:
+        """One model per row of ``points`` (N, 2)."""
+        rows = np.asarray(points, dtype=np.float64)
+        bounds = symbolic(float(np.nextafter(self.half_width, np.inf))).rate_map().bounds(rows)
+        return [system(alpha, beta, rates) for (alpha, beta), rates in zip(rows.tolist(), bounds, strict=True)]
+
+
+def grid(steps: int) -> Any:
+    """(steps^2, 2) points of [-20, 0] x [100, 200], ends included."""
+    alpha, beta = np.linspace(-20.0, 0.0, steps), np.linspace(100.0, 200.0, steps)
+    return np.stack([axis.ravel() for axis in np.meshgrid(alpha, beta, indexing="ij")], axis=1)

@@ -29,4 +29,4 @@ class CommonLyapunov(LyapunovTheorem):
 
     def vertex_matrices(self, model: Any, values: Values) -> Any:
         """The same P at every vertex."""
-        return values["P"][None].repeat(model.count, axis=0)
+        return values["P"][..., None, :, :].repeat(model.count, axis=-3)
