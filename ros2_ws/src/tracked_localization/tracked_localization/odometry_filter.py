@@ -34,7 +34,7 @@ class OdometryFilter:
             (settings.imu_rate_hz, settings.tracks_rate_hz), settings.patience_s, settings.silence_s
         )
         self._grid = PeriodGrid(settings.tracks_rate_hz)
-        self._emitted_ns: int | None = None
+        self._next_index: int | None = None
         self._jumped_ns: int | None = None
 
     @property
@@ -127,10 +127,10 @@ class OdometryFilter:
 
     def _instants_before(self, stamp_ns: int) -> Iterator[Estimate]:
         """Advance over the grid instants before ``stamp_ns`` that are still due."""
-        if self._emitted_ns is None:
-            self._emitted_ns = stamp_ns - 1
-        for index in self._grid.crossed(self._emitted_ns, stamp_ns - 1):
-            instant_ns = self._emitted_ns = self._grid.stamp_ns(index)
+        if self._next_index is None:
+            self._next_index = self._grid.index_at(stamp_ns - 1) + 1
+        while (instant_ns := self._grid.stamp_ns(self._next_index)) < stamp_ns:
+            self._next_index += 1
             self._fusion.advance(instant_ns)
             yield Estimate(self._fusion.odometry(instant_ns), self._fusion.slip(instant_ns))
 
@@ -153,4 +153,4 @@ class OdometryFilter:
         self._blames.shift(start_ns - time_ns)
         self._blames.count("clock", "jumped")
         self._fusion.interrupt(start_ns, abs(gap))
-        self._emitted_ns = start_ns
+        self._next_index = self._grid.index_at(start_ns) + 1

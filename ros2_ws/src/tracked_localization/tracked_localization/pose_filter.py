@@ -21,6 +21,7 @@ from tracked_localization.state import (
     Array,
     X,
     Y,
+    bound,
     forget,
     keep_positive_definite,
     row,
@@ -125,6 +126,7 @@ class PoseFilter:
         self._ekf.F = _transition(self._step, duration_s, fading)
         self._ekf.Q = self._unseen_motion(speed, rate, duration_s, gyro_fails)
         self._ekf.predict()
+        bound(self._ekf.P)
         keep_positive_definite(self._ekf.P)
 
     def stand(self, duration_s: float) -> None:
@@ -145,7 +147,7 @@ class PoseFilter:
         covariance[X, X] += (settings.belt_speed_limit_mps**2) * duration_s
         covariance[Y, Y] += (settings.belt_speed_limit_mps**2) * duration_s
         covariance[YAW, YAW] += (settings.yaw_rate_limit_radps**2) * duration_s
-        keep_positive_definite(covariance)
+        bound(covariance)
 
     def expect_gyro(self) -> tuple[float, float]:
         """Gyro reading to expect and the variance of the difference (rad/s, (rad/s)^2)."""
@@ -217,6 +219,7 @@ class PoseFilter:
             covariance[component, component] = deviation**2
         covariance[BIAS, BIAS] = bias_variance
         covariance[ROLLED, ROLLED] = self._rolled_variance
+        bound(covariance)
         keep_positive_definite(covariance)
         self._ekf.x, self._ekf.P = state, covariance
         self._speed_noise.restart()

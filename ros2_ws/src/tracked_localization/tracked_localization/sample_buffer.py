@@ -34,7 +34,7 @@ class SampleBuffer:
 
     A sample is released once every stream has spoken up to its stamp, without a gap, or once the newest
     stamp is ``patience_s`` ahead of it. A stream that is silent for ``silence_s`` is not waited for. The
-    order of arrival within the patience does not matter to the result.
+    order of arrival within the patience does not matter to the result, once the first sample is there.
 
     A stamp that does not continue the common time line is held back: one such sample is garbage, a row
     of three from the same stream is a clock that has jumped (or the end of a pause), and the time line

@@ -20,15 +20,19 @@ def row(*ones: int) -> Array:
 
 
 def keep_positive_definite(covariance: Array) -> None:
-    """Make a covariance (9, 9) symmetric, bounded and safely positive definite, in place."""
+    """Make a covariance (9, 9) exactly symmetric and safely positive definite, in place."""
     covariance += covariance.T
     covariance *= 0.5
+    covariance.flat[:: SIZE + 1] += _FLOOR
+
+
+def bound(covariance: Array) -> None:
+    """Keep the variances of a covariance (9, 9) below what could ever matter, in place."""
     diagonal = covariance.diagonal()
     if (diagonal > _CEILING).any():
         # Scaling rows and columns alike keeps a matrix positive definite; clipping its diagonal does not.
         scale = np.sqrt(np.minimum(1.0, _CEILING / diagonal))
         covariance *= scale[:, None] * scale
-    covariance.flat[:: SIZE + 1] += _FLOOR
 
 
 def forget(covariance: Array, component: int, variance: float) -> None:
