@@ -1,8 +1,8 @@
 """The whole graph over DDS: processor load, misses and latency in real time, and how fast lock-step runs.
 
-Processor load is that of all nodes, simulator and recorder included, over the wall time in which the robot
-is commanded; the bringup that watches them is stated apart. Three runs, the real-time ones with the default
-grouping and with one process per node.
+Processor load is that of all nodes, simulator and recorder included, while the robot is commanded: processor
+seconds per simulated second, so that a machine too busy for real time does not flatter it. The bringup that
+watches is stated apart. Three runs, the real-time ones with the default grouping and with one process per node.
 """
 
 import argparse
@@ -89,11 +89,13 @@ def window(record: RunRecord, loads: list[Load]) -> tuple[Load, Load]:
 
 
 def cores(record: RunRecord, loads: list[Load]) -> tuple[dict[str, float], float]:
-    """Processor load of every node process, and of the bringup."""
+    """Processor seconds per simulated second of every node process, and of the bringup."""
     first, last = window(record, loads)
-    wall_s = last.wall_s - first.wall_s
-    nodes = {name: (last.nodes[name] - first.nodes[name]) / wall_s for name in first.nodes if name in last.nodes}
-    return nodes, (last.bringup_s - first.bringup_s) / wall_s
+    odometry = record.channel("odometry")
+    begin_s, end_s = np.interp([first.wall_s, last.wall_s], odometry.arrivals_s, odometry.stamps_ns * 1e-9)
+    seconds = float(end_s - begin_s)
+    nodes = {name: (last.nodes[name] - first.nodes[name]) / seconds for name in first.nodes if name in last.nodes}
+    return nodes, (last.bringup_s - first.bringup_s) / seconds
 
 
 def real_time_factor(record: RunRecord) -> float:
