@@ -103,7 +103,7 @@ def _pairing(constraints: Sequence[Constraint], multipliers: Sequence[Exact]) ->
     """sum_k <Z_k, F_k0> and sum_k <Z_k, F_ki> for all i."""
     total: Any = rational(0)
     for constraint, Z in zip(constraints, multipliers, strict=True):
-        total = total + (constraint.matrices * Z).sum(axis=(-3, -2, -1))
+        total = total + constraint.matrices.reshape(len(constraint.matrices), -1) @ Z.ravel()
     return total[0], total[1:] - total[0]
 
 

@@ -1,9 +1,11 @@
 """What the stability theorems of chapter 2 share: V(x) = x^T (sum_r sigma_r P_r) x and its decay rate."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robust_core.errors import ArgumentError
 from robust_core.lmi import Unknown, Unknowns, he
@@ -35,7 +37,17 @@ class LyapunovTheorem(Theorem):
 
 def one_per_vertex(model: Any) -> Unknowns:
     """P (m, n, n)."""
-    return Unknowns((Unknown("P", model.states, count=model.count, symmetric=True),))
+    return _stack(model.states, model.count)
+
+
+@lru_cache(maxsize=64)
+def _stack(states: int, count: int) -> Unknowns:
+    return Unknowns((Unknown("P", states, count=count, symmetric=True),))
+
+
+@lru_cache(maxsize=64)
+def _pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    return np.triu_indices(count)
 
 
 def weighted(phi: Any, matrices: Any) -> Any:
@@ -46,6 +58,6 @@ def weighted(phi: Any, matrices: Any) -> Any:
 def pair_products(P: Any, A: Any, data: Data) -> Any:
     """1/2 He(P_i A_j + P_j A_i) + decay (P_i + P_j) for all i <= j, stacked (..., pairs, n, n)."""
     symmetric = he(P[..., :, None, :, :] @ A[..., None, :, :, :])
-    first, second = np.triu_indices(P.shape[-3])
+    first, second = _pairs(P.shape[-3])
     mixed = data["half"] * (symmetric[..., first, second, :, :] + symmetric[..., second, first, :, :])
     return mixed + data["decay"] * (P[..., first, :, :] + P[..., second, :, :])
