@@ -38,6 +38,12 @@ class Probe:
                 raise AssertionError(f"waited {timeout_s} s in vain for {what or condition}; nodes seen: {seen}")
             self._executor.spin_once(timeout_sec=min(left, 0.05))
 
+    def spin(self, seconds: float) -> None:
+        """Serve what comes for so long."""
+        deadline = time.monotonic() + seconds
+        while (left := deadline - time.monotonic()) > 0.0:
+            self._executor.spin_once(timeout_sec=left)
+
     def collect(self, message_type: type, topic: str, qos: QoSProfile | int = 10) -> list[Any]:
         """A list that grows by every message on the topic while the probe spins."""
         received: list[Any] = []
@@ -61,12 +67,12 @@ class Probe:
 
 
 @contextmanager
-def own_probe(domain: int) -> Iterator[Probe]:
+def own_probe(domain: int, name: str = "test_probe") -> Iterator[Probe]:
     """A probe in the given domain, gone with the block."""
     context = Context()
     rclpy.init(context=context, domain_id=domain)
     executor = SingleThreadedExecutor(context=context)
-    node = rclpy.create_node("test_probe", context=context)
+    node = rclpy.create_node(name, context=context)
     executor.add_node(node)
     try:
         yield Probe(node, executor)
