@@ -62,6 +62,8 @@ class Health:
         """One line for people."""
         if self.culprits:
             return "; ".join(str(culprit) for culprit in self.culprits)
+        if not self.advancing:
+            return "no sensor has spoken yet"
         return "at rest" if self.standing else "fusing all sensors"
 
 

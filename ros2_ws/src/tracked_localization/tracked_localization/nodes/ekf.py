@@ -79,12 +79,15 @@ class EkfNode(StackNode):
             )
 
     def _report(self, health: Health) -> None:
-        values: dict[str, object] = {"standing": health.standing, "gyro bias (rad/s)": self.filter.gyro_bias_radps}
+        level = Level.WARN if health.culprits else Level.OK
         if not health.advancing:
-            self.diagnostics.report("odometry", Level.ERROR, f"does not advance: {health.summary}", values)
-        else:
-            level = Level.WARN if health.culprits else Level.OK
-            self.diagnostics.report("odometry", level, health.summary, values | dict(health.counts))
+            level = Level.ERROR
+        values = {
+            "advances": health.advancing,
+            "at rest": health.standing,
+            "gyro bias (rad/s)": self.filter.gyro_bias_radps,
+        }
+        self.diagnostics.report("odometry", level, health.summary, values | dict(health.counts))
 
 
 def main() -> int:
