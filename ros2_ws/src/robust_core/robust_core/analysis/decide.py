@@ -4,12 +4,10 @@ from dataclasses import dataclass
 
 from robust_core.certificates import Certificate
 from robust_core.certificates.dual import prove_infeasible
-from robust_core.certificates.primal import check_exact, check_float
+from robust_core.certificates.primal import check_exact
 from robust_core.errors import NotProvenError, ProofFailedError
-from robust_core.lmi.coefficients import coefficients
 from robust_core.lmi.conic import ConicSolution
 from robust_core.lmi.margin import MarginSolver
-from robust_core.rational import Floats
 from robust_core.theorems.base import Model, Theorem
 from robust_core.verdict import Verdict
 
@@ -54,22 +52,23 @@ def decide(theorem: Theorem, model: Model, *, exact: bool = True, solver: Margin
     SolverError: if the solver failed or ran into its limits.
     """
     theorem = theorem.specialised(model)
-    unknowns = theorem.unknowns(model)
-    data = theorem.data(model)
-    found = (solver or MarginSolver()).solve(coefficients(unknowns, lambda probes: theorem.constraints(data, probes)))
+    found, names = (solver or MarginSolver()).ask(theorem, model)
     if found.margin > 0.0:
-        return conclude_feasible(theorem, model, unknowns.unpack(found.vector), found, exact=exact)
+        return conclude_feasible(theorem, model, found, names, exact=exact)
     return conclude_infeasible(theorem, model, found, exact=exact)
 
 
 def conclude_feasible(
-    theorem: Theorem, model: Model, values: dict[str, Floats], found: ConicSolution, *, exact: bool
+    theorem: Theorem, model: Model, found: ConicSolution, names: tuple[str, ...], *, exact: bool
 ) -> Result:
-    """Verdict on a solution that the solver gave."""
+    """Verdict on a solution that the solver gave, with the margins of the named constraints."""
+    margins = dict(zip(names, found.margins, strict=True))
+    values = theorem.unknowns(model).unpack(found.vector)
     try:
-        margins = check_float(theorem, model, values)
         if exact:
             check_exact(theorem, model, values)
+        elif not min(found.margins) > 0.0:
+            raise ProofFailedError(f"the least eigenvalue in floating point is {min(found.margins):.3g}")
     except ProofFailedError as error:
         return Result(Verdict.UNDECIDED, str(error), found.margin, None, found.iterations)
     certificate = Certificate(theorem, model, values, None, margins)

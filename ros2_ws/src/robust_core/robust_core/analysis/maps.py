@@ -10,6 +10,7 @@ from robust_core.analysis.decide import Result, conclude_feasible, conclude_infe
 from robust_core.errors import RobustCoreError
 from robust_core.lmi.barrier import Stack, best_margins
 from robust_core.lmi.conic import ConicSolution
+from robust_core.lmi.small_matrices import least_eigenvalue
 from robust_core.rational import Floats
 from robust_core.theorems.base import Theorem
 from robust_core.verdict import Verdict
@@ -55,7 +56,7 @@ def _together(theorem: Theorem, models: Sequence[Any], exact: bool) -> list[Resu
     """Verdicts where the barrier's answer can be proven, None elsewhere."""
     unknowns = theorem.unknowns(models[0])
     data = stacked_data(theorem, models)
-    stacks = []
+    stacks, names = [], tuple(c.name for c in theorem.constraints(theorem.data(models[0]), unknowns.probes()))
     for constraint in theorem.constraints(data, unknowns.probes()):
         values = np.broadcast_to(constraint.matrices, (len(models), *constraint.matrices.shape[-4:]))
         stacks.append(Stack(values[:, 1:] - values[:, :1], constraint.weight, constraint.sized))
@@ -65,16 +66,27 @@ def _together(theorem: Theorem, models: Sequence[Any], exact: bool) -> list[Resu
         except np.linalg.LinAlgError:
             return [None] * len(models)
     out: list[Result | None] = []
+    least = np.stack([_least(stack, found.vectors) for stack in stacks], axis=1).tolist()
     for k, model in enumerate(models):
         lower, upper = float(found.lower[k]), float(found.upper[k])
-        solution = ConicSolution(found.vectors[k], lower, tuple(Z[k] for Z in found.multipliers), lower, "batch", 0)
+        multipliers = tuple(Z[k] for Z in found.multipliers)
+        solution = ConicSolution(found.vectors[k], lower, multipliers, lower, "batch", 0, tuple(least[k]))
         result = None
         if lower > 0.0:
-            result = conclude_feasible(theorem, model, unknowns.unpack(solution.vector), solution, exact=exact)
+            result = conclude_feasible(theorem, model, solution, names, exact=exact)
         elif upper < 0.0:
             result = conclude_infeasible(theorem, model, solution, exact=exact)
         out.append(None if result is None or (exact and result.certificate is None) else result)
     return out
+
+
+def _least(stack: Stack, vectors: Floats) -> Floats:
+    """Least eigenvalues (N,) of one constraint at y, less what rounding may have added."""
+    shape = (len(vectors), *stack.linear.shape[2:])
+    flat = stack.linear.reshape(*stack.linear.shape[:2], -1)
+    values = np.matmul(vectors[:, None, :], flat).reshape(shape)
+    sizes = np.matmul(np.abs(vectors)[:, None, :], np.abs(flat))[:, 0].max(axis=1)
+    return np.asarray(least_eigenvalue(values).min(axis=1) - 64.0 * 2.0**-52 * shape[-1] * sizes)
 
 
 def stacked_data(theorem: Theorem, models: Sequence[Any]) -> dict[str, Floats]:

@@ -41,6 +41,33 @@ class Cone:
             rows = matrices[..., row, column] * scale
         return rows.reshape(*matrices.shape[:-3], self.rows)
 
+    def to_matrices(self, rows: Floats) -> Floats:
+        """(K * rows_each,) -> (K, n, n), the inverse of :meth:`to_rows`."""
+        parts = rows.reshape(self.blocks, self.rows_each)
+        out = np.empty((self.blocks, self.size, self.size))
+        if self.size == 2:
+            out[:, 0, 0], out[:, 1, 1] = 0.5 * (parts[:, 0] + parts[:, 1]), 0.5 * (parts[:, 0] - parts[:, 1])
+            out[:, 0, 1] = out[:, 1, 0] = 0.5 * parts[:, 2]
+        else:
+            row, column, scale = _triangle(self.size)
+            out[:, row, column] = out[:, column, row] = parts / scale
+        return out
+
+    def least_eigenvalue(self, rows: Floats) -> float:
+        """Smallest eigenvalue of all matrices whose rows these are."""
+        if self.size == 2:
+            parts = rows.reshape(self.blocks, 3)
+            return float((0.5 * (parts[:, 0] - np.hypot(parts[:, 1], parts[:, 2]))).min())
+        return float(np.linalg.eigvalsh(self.to_matrices(rows)).min())
+
+    def traces(self, rows: Floats) -> Floats:
+        """(..., K * rows_each) -> (...): the sum of all traces."""
+        if self.size == 2:
+            return np.asarray(rows[..., ::3].sum(axis=-1))
+        row, column, _ = _triangle(self.size)
+        diagonal = np.tile(row == column, self.blocks)
+        return np.asarray(rows[..., diagonal].sum(axis=-1))
+
     def multipliers(self, rows: Floats) -> Floats:
         """Matrices Z (K, n, n) with <Z, M> = rows . to_rows(M) for every M."""
         parts = rows.reshape(self.blocks, self.rows_each)

@@ -1,4 +1,4 @@
-"""One call of the interior-point solver Clarabel on families of LMIs, always on the same sparsity pattern.
+"""One call of the interior-point solver Clarabel, always on the same sparsity pattern.
 
 min c.y + 1/2 y.Q y - weight of the margin t   subject to   F_k(y) - t w_k I >= 0,   n.y = size.
 """
@@ -12,14 +12,18 @@ from numpy.typing import NDArray
 
 from robust_core.errors import MissingDependencyError, SolverError, SolverLimitError
 from robust_core.lmi.coefficients import Family
-from robust_core.lmi.cones import Cone
+from robust_core.lmi.layout import Layout, Rows, solver_cones
 from robust_core.lmi.settings import SolverSettings
 from robust_core.rational import Floats
 
 
 @dataclass(frozen=True, slots=True)
 class ConicSolution:
-    """``vector`` y, ``margin`` t (0 where none was asked for), multipliers (K, n, n) of each family, and the effort."""
+    """``vector`` y, ``margin`` t (0 where none was asked for), multipliers (K, n, n) of each family, and the effort.
+
+    ``margins`` are the least eigenvalues of each family at y, in the units of the equilibrated problem, less what
+    rounding may have added: where they are positive, y is a solution in floating point.
+    """
 
     vector: Floats
     margin: float
@@ -27,6 +31,7 @@ class ConicSolution:
     objective: float
     status: str
     iterations: int
+    margins: tuple[float, ...] = ()
 
     @property
     def accurate(self) -> bool:
@@ -36,22 +41,18 @@ class ConicSolution:
 
 @dataclass(slots=True)
 class ConicProblem:
-    """Layout of the rows of one shape of problem; keeps the union of the non-zeros met so far as its pattern."""
+    """Problems of one layout; keeps the union of the non-zeros met so far as their pattern."""
 
-    cones: tuple[Cone, ...]
-    size: int
-    with_margin: bool
-    with_size: bool
-    pattern: NDArray[np.bool_] | None = None
+    layout: Layout
+    _pattern: NDArray[np.bool_] | None = None
     _indices: NDArray[np.intp] = field(default_factory=lambda: np.empty(0, dtype=np.intp))
     _pointers: NDArray[np.intp] = field(default_factory=lambda: np.empty(0, dtype=np.intp))
-    _solver_cones: list[Any] = field(default_factory=list)
+    _cones: list[Any] = field(default_factory=list)
 
     @staticmethod
     def shaped(families: Sequence[Family], *, with_margin: bool, with_size: bool) -> "ConicProblem":
         """A problem for families of these shapes."""
-        cones = tuple(Cone(family.constant.shape[0], family.constant.shape[1]) for family in families)
-        return ConicProblem(cones, families[0].linear.shape[0], with_margin, with_size)
+        return ConicProblem(Layout.of(families, with_margin=with_margin, with_size=with_size))
 
     def solve(
         self,
@@ -70,63 +71,51 @@ class ConicProblem:
         SolverLimitError: if time or iterations ran out.
         SolverError: if the solver gave up for another reason; the text says which.
         """
-        clarabel, sparse = _packages()
-        columns, right = self._columns(families, normal, total)
-        self._grow(columns != 0.0, clarabel)
-        matrix = sparse.csc_matrix(
-            (columns[self.pattern], self._indices, self._pointers), shape=(columns.shape[1], columns.shape[0])
-        )
-        cost = np.zeros(columns.shape[0])
-        if linear is not None:
-            cost[: self.size] = linear
-        if self.with_margin:
-            cost[-1] = -1.0
-        hessian = np.zeros((cost.size, cost.size))
-        if quadratic is not None:
-            hessian[: self.size, : self.size] = np.triu(quadratic)
-        options = _options(clarabel, settings)
-        found = clarabel.DefaultSolver(
-            sparse.csc_matrix(hessian), cost, matrix, right, self._solver_cones, options
-        ).solve()
-        return self._solution(found)
+        rows = self.layout.rows(families, normal, total)
+        return self.solve_rows(rows, settings=settings, linear=linear, quadratic=quadratic)
 
-    def _columns(self, families: Sequence[Family], normal: Floats | None, total: float) -> tuple[Floats, Floats]:
-        """The constraint matrix transposed, and the right-hand side; rows s = right - A x must lie in the cones."""
-        count = self.size + self.with_margin
-        rows = int(self.with_size) + sum(cone.rows for cone in self.cones)
-        columns, right = np.zeros((count, rows)), np.zeros(rows)
-        start = int(self.with_size)
-        if self.with_size and normal is not None:
-            columns[: self.size, 0], right[0] = normal, total
-        for family, cone in zip(families, self.cones, strict=True):
-            stop = start + cone.rows
-            columns[: self.size, start:stop] = -cone.to_rows(family.linear)
-            right[start:stop] = cone.to_rows(family.constant)
-            if self.with_margin:
-                identity = np.broadcast_to(np.eye(cone.size), (cone.blocks, cone.size, cone.size))
-                columns[-1, start:stop] = family.weight * cone.to_rows(identity)
-            start = stop
-        return columns, right
+    def solve_rows(
+        self,
+        rows: Rows,
+        *,
+        settings: SolverSettings,
+        linear: Floats | None = None,
+        quadratic: Floats | None = None,
+    ) -> ConicSolution:
+        """The same from rows that are already laid out."""
+        clarabel, sparse = _packages()
+        self._grow(rows.columns != 0.0, clarabel)
+        count, size = len(rows.columns), self.layout.size
+        matrix = sparse.csc_matrix(
+            (rows.columns[self._pattern], self._indices, self._pointers), shape=(self.layout.count, count)
+        )
+        cost = np.zeros(count)
+        if linear is not None:
+            cost[:size] = linear
+        if self.layout.with_margin:
+            cost[-1] = -1.0
+        hessian = sparse.csc_matrix((count, count))
+        if quadratic is not None:
+            full = np.zeros((count, count))
+            full[:size, :size] = np.triu(quadratic)
+            hessian = sparse.csc_matrix(full)
+        found = clarabel.DefaultSolver(
+            hessian, cost, matrix, rows.right, self._cones, _options(clarabel, settings)
+        ).solve()
+        return self._solution(rows, found)
 
     def _grow(self, present: NDArray[np.bool_], clarabel: Any) -> None:
-        if self.pattern is None:
-            self.pattern = present
-            self._solver_cones = [clarabel.ZeroConeT(1)] if self.with_size else []
-            for cone in self.cones:
-                if cone.size == 1:
-                    self._solver_cones.append(clarabel.NonnegativeConeT(cone.blocks))
-                elif cone.size == 2:
-                    self._solver_cones += [clarabel.SecondOrderConeT(3)] * cone.blocks
-                else:
-                    self._solver_cones += [clarabel.PSDTriangleConeT(cone.size)] * cone.blocks
-        elif not (present & ~self.pattern).any():
+        if self._pattern is None:
+            self._pattern = present
+            self._cones = solver_cones(self.layout, clarabel)
+        elif not (present & ~self._pattern).any():
             return
         else:
-            self.pattern = self.pattern | present
-        self._indices = np.nonzero(self.pattern)[1]
-        self._pointers = np.concatenate([[0], np.cumsum(self.pattern.sum(axis=1))])
+            self._pattern = self._pattern | present
+        self._indices = np.nonzero(self._pattern)[1]
+        self._pointers = np.concatenate([[0], np.cumsum(self._pattern.sum(axis=1))])
 
-    def _solution(self, found: Any) -> ConicSolution:
+    def _solution(self, rows: Rows, found: Any) -> ConicSolution:
         status = str(found.status)
         if status in ("MaxTime", "MaxIterations"):
             raise SolverLimitError(f"the solver stopped at its limit ({status}); allow more, or scale the model")
@@ -135,13 +124,15 @@ class ConicProblem:
         x, z = np.array(found.x), np.array(found.z)
         if not (np.isfinite(x).all() and np.isfinite(z).all()):
             raise SolverError("the solver returned numbers that are not finite")
-        multipliers, start = [], int(self.with_size)
-        for cone in self.cones:
-            multipliers.append(cone.multipliers(z[start : start + cone.rows]))
-            start += cone.rows
-        margin = float(x[-1]) if self.with_margin else 0.0
+        size = self.layout.size
         return ConicSolution(
-            x[: self.size], margin, tuple(multipliers), float(found.obj_val), status, int(found.iterations)
+            vector=x[:size],
+            margin=float(x[-1]) if self.layout.with_margin else 0.0,
+            multipliers=self.layout.multipliers(z),
+            objective=float(found.obj_val),
+            status=status,
+            iterations=int(found.iterations),
+            margins=self.layout.margins(rows, x[:size]),
         )
 
 

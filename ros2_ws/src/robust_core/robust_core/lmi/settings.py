@@ -9,7 +9,7 @@ from robust_core.checks import finite_number
 class SolverSettings:
     """Accuracy and limits of one solve; a limit that is hit raises SolverLimitError."""
 
-    tolerance: float = 1e-9
+    tolerance: float = 1e-8
     time_limit_s: float = 60.0
     iterations: int = 200
 

@@ -44,6 +44,8 @@ class Theorem(ABC):
     NAME: ClassVar[str]
     PROVES: ClassVar[str]
     USES_RATES: ClassVar[bool] = False
+    AFFINE: ClassVar[tuple[str, ...]] = ()
+    """Data in which the inequalities are jointly affine, all that differs between models; () makes no such promise."""
     REGISTRY: ClassVar[dict[str, "type[Theorem]"]] = {}
 
     def __init_subclass__(cls, **options: Any) -> None:

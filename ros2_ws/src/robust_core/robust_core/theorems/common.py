@@ -16,6 +16,7 @@ class CommonLyapunov(LyapunovTheorem):
 
     NAME = "2.1"
     PROVES = "exponential stability for arbitrary weights"
+    AFFINE = ("A",)
 
     def unknowns(self, model: Any) -> Unknowns:
         """P (n, n)."""

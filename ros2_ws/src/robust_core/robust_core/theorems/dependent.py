@@ -17,6 +17,7 @@ class ParameterDependent(LyapunovTheorem):
     NAME = "2.2"
     PROVES = "local exponential stability while the rates keep their bounds"
     USES_RATES = True
+    AFFINE = ("A", "phi")
 
     def specialised(self, model: Any) -> Self:
         """Itself; RateError without rates."""

@@ -27,6 +27,7 @@ class Relaxed(LyapunovTheorem):
     NAME = "2.3"
     PROVES = "local exponential stability while the rates keep their bounds"
     USES_RATES = True
+    AFFINE = ("A", "phi")
     z: int | None = None
 
     def specialised(self, model: Any) -> Self:

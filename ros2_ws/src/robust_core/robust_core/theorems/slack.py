@@ -21,6 +21,7 @@ class Slack(LyapunovTheorem):
     NAME = "slack"
     PROVES = "local exponential stability while the rates keep their bounds"
     USES_RATES = True
+    AFFINE = ("A", "phi")
 
     def specialised(self, model: Any) -> Self:
         """Itself; RateError without rates."""

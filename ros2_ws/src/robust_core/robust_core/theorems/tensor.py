@@ -54,6 +54,7 @@ class TensorCorners(LyapunovTheorem):
     NAME = "T1"
     PROVES = "local exponential stability while the rates keep their bounds"
     USES_RATES = True
+    AFFINE = ("A", "phi")
     groups: Groups | None = None
 
     def specialised(self, model: Any) -> Self:
@@ -83,6 +84,7 @@ class TensorProduct(LyapunovTheorem):
     NAME = "T2"
     PROVES = "local exponential stability while the rates keep their bounds"
     USES_RATES = True
+    AFFINE = ("A", "phi")
     groups: Groups | None = None
 
     def specialised(self, model: Any) -> Self:
