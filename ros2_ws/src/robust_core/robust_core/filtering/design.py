@@ -64,7 +64,7 @@ def design_filter(
         raise ArgumentError("order", f"between 1 and the plant's order {states}", str(order))
     if fastest_pole is not None:
         finite_number("fastest_pole", fastest_pole, low=0.0, open_low=True)
-    _check_plant(plant, region)
+    check_plant(plant, region)
     regions = [] if region is None else [tuple(to_float(matrix) for matrix in region.matrices)]
     problem = Synthesis(plant.data(), index, size, regions, fastest_pole)  # type: ignore[arg-type]
     unknowns = problem.unknowns
@@ -82,7 +82,7 @@ def design_filter(
     return FilterDesign(filtering, index.figure_at(level), analysis, found.status, found.iterations)
 
 
-def _check_plant(plant: FilterPlant, region: Region | None) -> None:
+def check_plant(plant: FilterPlant, region: Region | None) -> None:
     """Poles that no filter can move: the plant's own are poles of the error too."""
     for vertex, matrix in enumerate(plant.data()["A"]):
         poles = np.linalg.eigvals(matrix)

@@ -12,7 +12,10 @@ import numpy as np
 from robust_core.checks import finite_number
 from robust_core.errors import ArgumentError
 from robust_core.models.filter_plant import FilterPlant
-from robust_core.rational import Exact, definite, exact_array, rational, to_float, to_text
+from robust_core.rational import definite, exact_array, rational, to_float, to_text
+from robust_core.theorems.options import MatrixOption, matrix_option, option_array
+
+KEYS = ("phi", "psi1", "psi2", "psi3")
 
 
 class ImpossibleIndexError(ArgumentError):
@@ -28,20 +31,25 @@ class DissipativeIndex:
     """
 
     name: str
-    phi: Exact
-    psi1: Exact
-    psi2: Exact
-    psi3: Exact
+    phi: MatrixOption
+    psi1: MatrixOption
+    psi2: MatrixOption
+    psi3: MatrixOption
     figure: str = "gamma"
     squared: bool = False
     negated: bool = False
     positive: bool = False
 
+    def matrices(self, *, exact: bool = True) -> tuple[Any, Any, Any, Any]:
+        """Phi, Psi1, Psi2 and psi3 in one kind of numbers."""
+        phi, psi1, psi2, psi3 = (option_array(m, exact=exact) for m in (self.phi, self.psi1, self.psi2, self.psi3))
+        return phi, psi1, psi2, psi3
+
     def figure_at(self, level: float) -> float:
         """The figure that a level stands for; levels below 0 by rounding count as 0 where it is a square root."""
         if self.squared:
             return float(np.sqrt(max(level, 0.0)))
-        return -level if self.negated else level
+        return 0.0 - level if self.negated else level
 
     def level_at(self, figure: float) -> float:
         """The level of a figure."""
@@ -57,22 +65,23 @@ class DissipativeIndex:
         ImpossibleIndexError: naming the point that fails and what to try.
         """
         sizes = plant.sizes
+        phi, psi1, psi2, psi3 = self.matrices()
         for label, matrix, shape in (
-            ("Phi", self.phi, "zz"),
-            ("Psi1", self.psi1, "zz"),
-            ("Psi2", self.psi2, "zw"),
-            ("Psi3", self.psi3, "ww"),
+            ("Phi", phi, "zz"),
+            ("Psi1", psi1, "zz"),
+            ("Psi2", psi2, "zw"),
+            ("Psi3", psi3, "ww"),
         ):
             wanted = tuple(sizes[letter] for letter in shape)
             if matrix.shape != wanted:
                 raise ImpossibleIndexError(
                     label, f"of shape {wanted}", f"shape {matrix.shape}", "passivity compares signals of equal length"
                 )
-        for label, matrix in (("Phi", self.phi), ("Psi1", -self.psi1)):
+        for label, matrix in (("Phi", phi), ("Psi1", -psi1)):
             if not (matrix == matrix.T).all() or not definite(matrix, strict=False):
                 raise ImpossibleIndexError(label, "symmetric with Phi >= 0 and Psi1 <= 0", str(to_text(matrix)))
         feedthrough = plant.exact["D"]
-        if (self.phi != 0).any() and ((feedthrough != 0).any() or (self.psi1 != 0).any() or (self.psi2 != 0).any()):
+        if (phi != 0).any() and ((feedthrough != 0).any() or (psi1 != 0).any() or (psi2 != 0).any()):
             raise ImpossibleIndexError(
                 "Phi",
                 "zero unless D, Psi1 and Psi2 are",
@@ -82,9 +91,9 @@ class DissipativeIndex:
         if level is None and not self.positive:
             return
         level = 0 if level is None else level
-        psi3 = self.psi3 + exact_array(np.eye(sizes["w"])) * rational(level)
+        whole = psi3 + exact_array(np.eye(sizes["w"])) * rational(level)
         for vertex, D in enumerate(feedthrough):
-            form = D.T @ self.psi1 @ D + D.T @ self.psi2 + self.psi2.T @ D + psi3
+            form = D.T @ psi1 @ D + D.T @ psi2 + psi2.T @ D + whole
             if not definite(form):
                 raise ImpossibleIndexError(
                     self.figure,
@@ -95,22 +104,19 @@ class DissipativeIndex:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data with exact numbers; :meth:`from_json` reads it back."""
-        matrices = {"phi": self.phi, "psi1": self.psi1, "psi2": self.psi2, "psi3": self.psi3}
         return {
             "name": self.name,
             "figure": self.figure,
             "squared": self.squared,
             "negated": self.negated,
             "positive": self.positive,
-            **{key: {"shape": list(m.shape), "values": to_text(m)} for key, m in matrices.items()},
+            **{key: plain_matrix(getattr(self, key)) for key in KEYS},
         }
 
     @staticmethod
     def from_json(data: Any) -> "DissipativeIndex":
         """An index from what :meth:`to_json` gave."""
-        matrices = {
-            key: exact_array(data[key]["values"]).reshape(data[key]["shape"]) for key in ("phi", "psi1", "psi2", "psi3")
-        }
+        matrices = {key: matrix_option(key, data[key], (None, None)) for key in KEYS}
         return DissipativeIndex(
             str(data["name"]),
             **matrices,
@@ -121,9 +127,17 @@ class DissipativeIndex:
         )
 
 
-def _scaled_identity(size: int, factor: Any = 1) -> Exact:
-    matrix: Exact = exact_array(np.eye(size)) * rational(factor)
-    return matrix
+def plain_matrix(option: MatrixOption) -> Any:
+    """Nested lists of texts."""
+    return [list(row) for row in option]
+
+
+def _scaled_identity(size: int, factor: Any = 1) -> MatrixOption:
+    return matrix_option("weight", exact_array(np.eye(size)) * rational(factor), (size, size))
+
+
+def _zero(rows: int, columns: int) -> MatrixOption:
+    return matrix_option("weight", np.zeros((rows, columns)), (rows, columns))
 
 
 def h_infinity(z: int = 1, w: int = 1) -> DissipativeIndex:
@@ -132,7 +146,7 @@ def h_infinity(z: int = 1, w: int = 1) -> DissipativeIndex:
     >>> h_infinity().figure_at(0.04)
     0.2
     """
-    zero = exact_array(np.zeros((z, w)))
+    zero = _zero(z, w)
     return DissipativeIndex(
         "h_infinity", _scaled_identity(z, 0), _scaled_identity(z, -1), zero, _scaled_identity(w, 0), squared=True
     )
@@ -140,7 +154,7 @@ def h_infinity(z: int = 1, w: int = 1) -> DissipativeIndex:
 
 def energy_to_peak(z: int = 1, w: int = 1) -> DissipativeIndex:
     """Peak of the error at most gamma times the root of the disturbance's energy (L2 to L-infinity)."""
-    zero = exact_array(np.zeros((z, w)))
+    zero = _zero(z, w)
     return DissipativeIndex(
         "energy_to_peak", _scaled_identity(z), _scaled_identity(z, 0), zero, _scaled_identity(w, 0), squared=True
     )
@@ -154,8 +168,8 @@ def passive(size: int = 1) -> DissipativeIndex:
 
 def dissipative(Q: Any, S: Any, R: Any) -> DissipativeIndex:
     """Strict (Q, S, R)-dissipativity: Psi1 = Q <= 0 (z, z), Psi2 = S (z, w), Psi3 = R - tau I; larger tau is better."""
-    q, s, r = (exact_array(np.atleast_2d(value)) for value in (Q, S, R))
-    return DissipativeIndex("dissipative", q * rational(0), q, s, r, figure="tau", negated=True)
+    q, s, r = (matrix_option(name, np.atleast_2d(m), (None, None)) for name, m in (("Q", Q), ("S", S), ("R", R)))
+    return DissipativeIndex("dissipative", _zero(len(q), len(q)), q, s, r, figure="tau", negated=True)
 
 
 def very_strictly_passive(epsilon: Any, size: int = 1) -> DissipativeIndex:

@@ -52,9 +52,8 @@ class DissipativeFilter(Theorem):
         """The error system and the index."""
         data = dict(super().data(model, exact=exact, bound=bound))
         data["error"] = error_matrices(data, self.filtering, exact=exact)
-        index = self.index
-        psi3 = index.psi3 + exact_array(np.eye(len(index.psi3))) * rational(self.level)
-        weights = (index.phi, index.psi1, index.psi2, psi3)
+        phi, psi1, psi2, psi3 = self.index.matrices()
+        weights = (phi, psi1, psi2, psi3 + exact_array(np.eye(len(psi3))) * rational(self.level))
         data["index"] = weights if exact else tuple(to_float(matrix) for matrix in weights)
         if self.region is not None:
             L, M = self.region.matrices
@@ -90,12 +89,11 @@ class DissipativeFilter(Theorem):
 
     def to_json(self) -> dict[str, Any]:
         """Name and options as plain data."""
-        region = self.region
         options = {
-            "filtering": {name: _lists(getattr(self.filtering, name)) for name in "ABC"},
+            "filtering": plain_filter(self.filtering),
             "index": self.index.to_json(),
             "level": self.level,
-            "region": None if region is None else {"name": region.name, "L": _lists(region.L), "M": _lists(region.M)},
+            "region": plain_region(self.region),
         }
         return {"name": self.NAME, "options": options}
 
@@ -109,6 +107,16 @@ class DissipativeFilter(Theorem):
             "level": options["level"],
             "region": None if r is None else region_from_json(r),
         }
+
+
+def plain_filter(filtering: Filter) -> dict[str, Any]:
+    """A filter as nested lists of texts."""
+    return {name: _lists(getattr(filtering, name)) for name in "ABC"}
+
+
+def plain_region(region: Region | None) -> dict[str, Any] | None:
+    """A region as name and nested lists of texts."""
+    return None if region is None else {"name": region.name, "L": _lists(region.L), "M": _lists(region.M)}
 
 
 def region_from_json(content: Any) -> Region:

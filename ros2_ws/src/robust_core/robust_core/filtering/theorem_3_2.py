@@ -14,7 +14,7 @@ from robust_core.filtering.index import DissipativeIndex
 from robust_core.lmi import Constraint, Unknown, Unknowns, he
 from robust_core.lmi.constraint import blocks, transpose
 from robust_core.lmi.unknowns import Values
-from robust_core.rational import Floats, to_float
+from robust_core.rational import Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ class Synthesis:
             Constraint("P > 0", P[..., None, :, :]),
             Constraint("dissipation (3.2.22)", self._dissipation(flow, values)),
         ]
-        phi_root = _root(to_float(self.index.phi))
+        phi_root = _root(self.index.matrices(exact=False)[0])
         if phi_root.any():
             output = phi_root @ self._output(values)
             unit = np.eye(output.shape[-2])
@@ -97,8 +97,8 @@ class Synthesis:
     def _dissipation(self, flow: Any, values: Values) -> Any:
         d, index = self.data, self.index
         R, L, B, C, level = (values[name][..., None, :, :] for name in ("R", "L", "B", "C", "level"))
-        psi2, psi3 = to_float(index.psi2), to_float(index.psi3)
-        root = _root(-to_float(index.psi1))
+        _, psi1, psi2, psi3 = index.matrices(exact=False)
+        root = _root(-psi1)
         measured = B @ d["F"]
         drive = blocks(
             [
