@@ -1,15 +1,14 @@
-"""The bringup with the real graph: a whole run, nodes that die, and two robots side by side."""
+"""The bringup with the real graph: a whole run, and nodes that die."""
 
 import json
 import os
-import re
 import signal
 from pathlib import Path
 
 import numpy as np
 import pytest
 from nav_msgs.msg import Odometry
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
 from tracked_report.run_record import RunRecord
@@ -19,7 +18,6 @@ RECORDED = {
     "single": {"odometry": 1 / 60, "truth": 1 / 60, "acceleration": 1 / 60, "upper_status": 1 / 5, "cmd_vel": 1 / 30},
     "double": {"odometry": 1 / 60, "slip": 1 / 60, "tracks": 1 / 60, "lower_status": 1 / 30, "cmd_vel": 1 / 30},
 }
-BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 @pytest.fixture
@@ -104,18 +102,3 @@ def test_a_node_that_cannot_start_is_named_with_its_reason(bringup, tmp_path):
     assert process.wait(RUN_LIMIT_S) == 1
     assert "planning ended (exit code 2)" in process.output and "needs a speed of" in process.output
     assert processes_of(tmp_path) == {}
-
-
-def test_two_robots_share_a_domain_under_two_namespaces(bringup, probe):
-    robots = ("r1", "r2")
-    processes = [bringup("idle", f"namespace:={robot}", "--name", robot) for robot in robots]
-    heard = {robot: probe.collect(Odometry, f"/{robot}/odom", BEST_EFFORT) for robot in robots}
-    probe.wait_until(lambda: all(heard.values()), timeout_s=RUN_LIMIT_S, what="odometry of both")
-    for robot, messages in heard.items():
-        assert messages[-1].header.frame_id == f"{robot}/odom"
-        assert messages[-1].child_frame_id == f"{robot}/base_footprint"
-        assert probe.node.count_publishers(f"/{robot}/cmd_vel") == 1
-    topics = [name for name, _ in probe.node.get_topic_names_and_types()]
-    ours = re.compile(r"/(r1|r2)/|/rosout$|/parameter_events$")
-    assert [topic for topic in topics if not ours.match(topic)] == []
-    assert [process.stop(signal.SIGINT) for process in processes] == [0, 0]
