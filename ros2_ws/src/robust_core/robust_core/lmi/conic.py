@@ -45,8 +45,8 @@ class ConicProblem:
 
     layout: Layout
     _pattern: NDArray[np.bool_] | None = None
-    _indices: NDArray[np.intp] = field(default_factory=lambda: np.empty(0, dtype=np.intp))
-    _pointers: NDArray[np.intp] = field(default_factory=lambda: np.empty(0, dtype=np.intp))
+    _matrix: Any = None
+    _zero: Any = None
     _cones: list[Any] = field(default_factory=list)
 
     @staticmethod
@@ -84,36 +84,36 @@ class ConicProblem:
     ) -> ConicSolution:
         """The same from rows that are already laid out."""
         clarabel, sparse = _packages()
-        self._grow(rows.columns != 0.0, clarabel)
+        self._grow(rows.columns != 0.0, clarabel, sparse)
         count, size = len(rows.columns), self.layout.size
-        matrix = sparse.csc_matrix(
-            (rows.columns[self._pattern], self._indices, self._pointers), shape=(self.layout.count, count)
-        )
+        self._matrix.data = rows.columns[self._pattern]
         cost = np.zeros(count)
         if linear is not None:
             cost[:size] = linear
         if self.layout.with_margin:
             cost[-1] = -1.0
-        hessian = sparse.csc_matrix((count, count))
+        hessian = self._zero
         if quadratic is not None:
             full = np.zeros((count, count))
             full[:size, :size] = np.triu(quadratic)
             hessian = sparse.csc_matrix(full)
         found = clarabel.DefaultSolver(
-            hessian, cost, matrix, rows.right, self._cones, _options(clarabel, settings)
+            hessian, cost, self._matrix, rows.right, self._cones, _options(clarabel, settings)
         ).solve()
         return self._solution(rows, found)
 
-    def _grow(self, present: NDArray[np.bool_], clarabel: Any) -> None:
+    def _grow(self, present: NDArray[np.bool_], clarabel: Any, sparse: Any) -> None:
         if self._pattern is None:
             self._pattern = present
             self._cones = solver_cones(self.layout, clarabel)
+            self._zero = sparse.csc_matrix((len(present), len(present)))
         elif not (present & ~self._pattern).any():
             return
         else:
             self._pattern = self._pattern | present
-        self._indices = np.nonzero(self._pattern)[1]
-        self._pointers = np.concatenate([[0], np.cumsum(self._pattern.sum(axis=1))])
+        indices, pointers = np.nonzero(self._pattern)[1], np.concatenate([[0], np.cumsum(self._pattern.sum(axis=1))])
+        shape = (self.layout.count, len(present))
+        self._matrix = sparse.csc_matrix((np.ones(len(indices)), indices, pointers), shape=shape)
 
     def _solution(self, rows: Rows, found: Any) -> ConicSolution:
         status = str(found.status)

@@ -38,7 +38,7 @@ class MarginSolver:
         SolverError: if the solver failed.
         """
         data = theorem.data(model)
-        key = (theorem, theorem.unknowns(model), getattr(model, "simplices", None))
+        key = (theorem, *(np.shape(data[name]) for name in theorem.AFFINE if name in data))
         # A template costs as much as some tens of solves: it is made when a theorem is asked again.
         if key in self._asked and key not in self._templates:
             self._templates[key] = self._template(theorem, model, data)

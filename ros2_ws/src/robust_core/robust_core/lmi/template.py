@@ -23,6 +23,7 @@ class Template:
     """``table`` (numbers + 1, cells) gives the columns of all unknowns; ``frame`` holds what data does not change."""
 
     keys: tuple[str, ...]
+    constants: Mapping[str, Any]
     layout: Layout
     names: tuple[str, ...]
     sized: tuple[bool, ...]
@@ -58,10 +59,15 @@ class Template:
         sized = tuple(family.sized for family in first)
         frame = layout.rows([replace(family, linear=0.0 * family.linear) for family in first])
         total = float(sum(c.blocks * c.size for c, one in zip(layout.cones, sized, strict=True) if one))
-        return Template(tuple(keys), layout, tuple(family.name for family in first), sized, table, frame, total)
+        constants = {key: value for key, value in data.items() if key not in keys}
+        return Template(
+            tuple(keys), constants, layout, tuple(family.name for family in first), sized, table, frame, total
+        )
 
     def rows(self, data: Mapping[str, Any]) -> Rows | None:
-        """Rows for a model's data, or None where they are so badly scaled that they have to be equilibrated."""
+        """Rows for a model's data; None where they need to be equilibrated, or other data than ``keys`` differ."""
+        if not all(np.array_equal(data[key], value) for key, value in self.constants.items()):
+            return None
         numbers = np.concatenate([[1.0], *(np.ravel(data[key]) for key in self.keys)])
         columns = self.frame.columns.copy()
         inner = columns[: self.layout.size]

@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from importlib import import_module
 from typing import Any, ClassVar, Protocol, Self
 
@@ -11,7 +12,7 @@ import numpy as np
 from robust_core.errors import ArgumentError, CertificateMismatchError
 from robust_core.lmi import Constraint, Unknowns
 from robust_core.lmi.unknowns import Values
-from robust_core.rational import rational
+from robust_core.rational import rational, to_float
 
 Data = Mapping[str, Any]
 
@@ -112,9 +113,21 @@ def theorem_from_json(content: Any) -> Theorem:
 def exact_option(name: str, value: Any) -> str:
     """A numeric option in its exact text form, so that it survives files: floats keep their binary value."""
     try:
-        return str(rational(value))
+        return _canonical(value) if isinstance(value, str) else str(rational(value))
     except ArgumentError as error:
         raise ArgumentError(name, "a finite number", repr(value)) from error
+
+
+@lru_cache(maxsize=1024)
+def _canonical(text: str) -> str:
+    return str(rational(text))
+
+
+@lru_cache(maxsize=1024)
+def option_number(text: str, *, exact: bool) -> Any:
+    """The number that an option's text stands for."""
+    number = rational(text)
+    return number if exact else float(to_float(np.array(number, dtype=object)))
 
 
 def _plain(value: Any) -> Any:

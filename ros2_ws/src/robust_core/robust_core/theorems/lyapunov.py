@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from robust_core.errors import ArgumentError
 from robust_core.lmi import Unknown, Unknowns, he
-from robust_core.rational import rational, to_float
-from robust_core.theorems.base import Data, Theorem, exact_option
+from robust_core.theorems.base import Data, Theorem, exact_option, option_number
 
 
 @dataclass(frozen=True)
@@ -21,14 +20,13 @@ class LyapunovTheorem(Theorem):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "decay", exact_option("decay", self.decay))
-        if rational(self.decay) < 0:
+        if option_number(self.decay, exact=False) < 0.0:
             raise ArgumentError("decay", "at least 0", self.decay)
 
     def data(self, model: Any, *, exact: bool = False, bound: str = "high") -> Data:
         """The model's arrays and the decay rate."""
-        decay = rational(self.decay)
-        number = decay if exact else float(to_float(np.array(decay, dtype=object)))
-        return {**super().data(model, exact=exact, bound=bound), "decay": number}
+        decay = option_number(self.decay, exact=exact)
+        return {**super().data(model, exact=exact, bound=bound), "decay": decay}
 
     def vertex_matrices(self, model: Any, values: Any) -> Any:
         """P (m, n, n) with V(x) = x^T (sum_r sigma_r P_r) x; what a region of attraction needs."""
