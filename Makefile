@@ -10,7 +10,7 @@ TYPED = $(patsubst %/py.typed,%,$(wildcard ros2_ws/src/*/*/py.typed)) tools/setu
 EMPTY :=
 MYPYPATH = $(subst $(EMPTY) $(EMPTY),:,$(wildcard ros2_ws/src/*))
 
-.PHONY: help setup demo test quick claims check format lock test-robot clean
+.PHONY: help setup demo test quick claims check docs format lock test-robot clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{ printf "  make %-12s %s\n", $$1, $$2 }'
@@ -37,6 +37,9 @@ check: setup ## lint, format and types
 	@.venv/bin/ruff check .
 	@.venv/bin/ruff format --check .
 	@MYPYPATH=$(MYPYPATH) .venv/bin/mypy --exclude '/(nodes|test)/' $(TYPED)
+
+docs: setup ## write docs/nodes.md from the nodes
+	@./run python -m tools.node_pages
 
 format: setup ## let ruff lay out the code
 	@.venv/bin/ruff check --fix .

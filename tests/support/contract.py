@@ -1,15 +1,11 @@
-"""The contract between the nodes: every topic of a drive, who says it to whom, how often and how reliably."""
+"""The contract between the nodes, read from docs/topics.md."""
 
 from dataclasses import dataclass
+from importlib import import_module
 
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import AccelStamped, TwistStamped
-from nav_msgs.msg import Odometry
-from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu, JointState, LaserScan
-from std_msgs.msg import Bool, String
-from tf2_msgs.msg import TFMessage
-from tracked_interfaces.msg import GoalReached, SafetyState, SlipEstimate, SolverStatus, Trajectory
+from tests.support.node_process import ROOT
+
+PAGE = ROOT / "docs" / "topics.md"
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +13,7 @@ class Row:
     """One topic.
 
     publishers: exactly these nodes (recorder and bringup left out everywhere). subscribers: at least these.
-    rate_hz: stamps are the instants of this grid, none left out; None: on events. frame: of the header; None: none.
+    rate_hz: stamps are the instants of this grid, none left out; None: on events. frame: of the header, may be "".
     latched: transient local, for those who come late.
     """
 
@@ -25,47 +21,33 @@ class Row:
     type: type
     publishers: frozenset[str]
     subscribers: frozenset[str]
-    rate_hz: int | None = None
-    frame: str | None = None
-    latched: bool = False
+    rate_hz: int | None
+    frame: str
+    latched: bool
 
 
-def row(
-    topic: str, kind: type, arrow: str, rate_hz: int | None = None, frame: str | None = None, *, latched: bool = False
-) -> Row:
-    """A row whose nodes are written ``from, from -> to, to``."""
-    ends = [frozenset(name.strip() for name in end.split(",") if name.strip()) for end in arrow.split("->")]
-    return Row(topic, kind, ends[0], ends[1], rate_hz, frame, latched)
+def read_contract() -> tuple[Row, ...]:
+    """Every row of the table."""
+    lines = [line for line in PAGE.read_text().splitlines() if line.startswith("| `")]
+    return tuple(_row([cell.strip() for cell in line.strip("|").split("|")]) for line in lines)
 
 
-CONTRACT = (
-    row("clock", Clock, "sim_bridge -> ekf, upper_nmpc, lower_nmpc, trajectory_player, command_arbiter", 60),
-    row("joint_states", JointState, "sim_bridge -> ekf", 60, ""),
-    row("imu/data", Imu, "sim_bridge -> ekf", 120, "imu_link"),
-    row("scan", LaserScan, "sim_bridge ->", 10, "laser"),
-    row("ground_truth/odom", Odometry, "sim_bridge ->", 60, "world"),
-    row("ground_truth/slip", SlipEstimate, "sim_bridge ->", 60, "base_footprint"),
-    row("ground_truth/acceleration", AccelStamped, "sim_bridge ->", 60, "world"),
-    row("odom", Odometry, "ekf -> upper_nmpc, lower_nmpc, trajectory_player, command_arbiter", 60, "odom"),
-    row("slip", SlipEstimate, "ekf -> lower_nmpc", 60, "base_footprint"),
-    row("reference_trajectory", Trajectory, "trajectory_player -> upper_nmpc", 5, "odom"),
-    row("goal_reached", GoalReached, "trajectory_player ->", latched=True),
-    row("upper_nmpc/trajectory", Trajectory, "upper_nmpc -> lower_nmpc", 5, "odom"),
-    row("upper_nmpc/status", SolverStatus, "upper_nmpc ->", 5, ""),
-    row("lower_nmpc/trajectory", Trajectory, "lower_nmpc ->", 30, "odom"),
-    row("lower_nmpc/status", SolverStatus, "lower_nmpc ->", 30, ""),
-    row("cmd_vel_nav", TwistStamped, "lower_nmpc -> command_arbiter", 30, "base_footprint"),
-    row("cmd_vel_follow", TwistStamped, "-> command_arbiter"),
-    row("cmd_vel_teleop", TwistStamped, "-> command_arbiter"),
-    row("cmd_vel", TwistStamped, "command_arbiter -> sim_bridge, upper_nmpc, lower_nmpc", 30, "base_footprint"),
-    row("e_stop", Bool, "-> command_arbiter"),
-    row("safety/state", SafetyState, "command_arbiter ->", latched=True),
-    row("tf", TFMessage, "ekf ->"),
-    row("tf_static", TFMessage, "description ->", latched=True),
-    row("robot_description", String, "description ->", latched=True),
-    row(
-        "diagnostics",
-        DiagnosticArray,
-        "sim_bridge, ekf, upper_nmpc, lower_nmpc, trajectory_player, command_arbiter, description ->",
-    ),
-)
+def _row(cells: list[str]) -> Row:
+    topic, kind, rate, publishers, subscribers, frame, note = cells
+    package, name = kind.split("/")
+    return Row(
+        topic=topic.strip("`"),
+        type=getattr(import_module(f"{package}.msg"), name),
+        publishers=_names(publishers),
+        subscribers=_names(subscribers),
+        rate_hz=None if rate == "event" else int(rate),
+        frame=frame,
+        latched=note == "latched",
+    )
+
+
+def _names(cell: str) -> frozenset[str]:
+    return frozenset(name.strip() for name in cell.split(",") if name.strip())
+
+
+CONTRACT = read_contract()
