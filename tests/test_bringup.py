@@ -59,6 +59,7 @@ def test_a_comparison_leaves_whole_records_a_report_and_no_process(bringup, tmp_
         record = RunRecord.load(folder / f"{variant}.npz")
         for channel, period_s in channels.items():
             assert largest_gap_s(record, channel) < 1.1 * period_s, f"{variant} {channel}"
+            assert record.channel(channel).stamps_ns[-1] > 3.7e9, f"{variant} {channel}"
         assert record.meta.variant == variant and record.meta.scene
         logs = {log.stem for log in (folder / "logs" / variant).glob("*.log")}
         assert logs == {"simulator", "control", "planning", "safety", "recording"}

@@ -43,6 +43,7 @@ PARAMETERS = ParameterTable(
     Parameter(*ROBOT_FILE),
 )
 _DEPTH = 1000  # a record must not have holes where this process had to wait for a processor
+_DRAIN_LIMIT_S = 5.0
 _STATE = QoSProfile(depth=_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
 _SENSOR = QoSProfile(depth=_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
 
@@ -117,7 +118,8 @@ class RecorderNode(StackNode):
             self.recorder.add_event(change.stamp_ns, "command_arbiter", change.text)
 
     def safe_stop(self) -> None:
-        """Write the record."""
+        """Take in what has arrived and waits for its turn, then write the record."""
+        self._drain()
         origin = self.origin.pose
         changes: dict[str, Any] = {}
         if origin is not None:
@@ -128,6 +130,18 @@ class RecorderNode(StackNode):
         record.save(self.record_file)
         rows = sum(len(channel) for channel in record.channels.values())
         self.get_logger().info(f"{self.record_file}: {rows} rows in {len(record.channels)} channels")
+
+    def _drain(self) -> None:
+        """In lock-step the graph can be faster than this node: up to _DEPTH messages of a topic are waiting."""
+        deadline_s = time.monotonic() + _DRAIN_LIMIT_S
+        for typed in self.typed_subscriptions:
+            subscription = typed.subscription
+            while time.monotonic() < deadline_s:
+                with subscription.handle:
+                    taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+                if taken is None:
+                    break
+                subscription.callback(taken[0])
 
     def _keep(self, kind: type, topic: str, convert: Any, channel: str, profile: Any = _STATE) -> None:
         self.subscribe_typed(kind, topic, convert, partial(self._add, channel), profile)
