@@ -52,7 +52,7 @@ def design_observer(
 
     Parameters
     ----------
-    pole: nu, if not the slowest admissible one less ``reserve`` (relative to 1 - nu).
+    pole: nu, if not the slowest admissible one less ``reserve`` (relative to 1 - nu, and at most 1 - reserve).
     rho: share of the measurement that the residual keeps, in (0, 1].
 
     Raises
@@ -60,7 +60,8 @@ def design_observer(
     ArgumentError: for plants of another form, or numbers out of range.
     """
     limit = admissible_pole(plant, tau)
-    chosen = 1.0 - (1.0 - limit) * (1.0 + reserve) if pole is None else pole
+    slowest = min(1.0 - (1.0 - limit) * (1.0 + reserve), 1.0 - reserve)
+    chosen = slowest if pole is None else pole
     finite_number("pole", chosen, low=-1.0, high=1.0, open_low=True)
     finite_number("rho", rho, low=0.0, high=1.0, open_low=True)
     A = plant.exact["A"]

@@ -140,7 +140,7 @@ class ClosedLoop(LyapunovTheorem):
 
     def vertex_matrices(self, model: Any, values: Values) -> Any:
         """The same P at every vertex."""
-        return values["P"][None].repeat(model.count, axis=0)
+        return values["P"][..., None, :, :].repeat(model.count, axis=-3)
 
 
 def closed_loop_matrices(A: Any, B: Any, K: Any, half: Any) -> Any:

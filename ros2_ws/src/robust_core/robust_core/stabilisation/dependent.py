@@ -69,11 +69,11 @@ class DependentSynthesis:
         size = block.shape[-1]
         found = [
             Constraint("P_r > 0", P, sized=True),
-            Constraint("P_r >= P_z", above, strict=False),
+            *([Constraint("P_r >= P_z", above, strict=False)] if others else []),
             Constraint("decrease", -block.reshape(*block.shape[:-4], -1, size, size)),
         ]
         if self.gain_bound is not None:
-            # With X + X' >= 2 P_z-like size, |Y v| <= g |v| in the metric of the symmetric part bounds K.
+            # With S the symmetric part of X, X S^-1 X' >= S: so K S K' <= g^2 tr(X) / n.
             square = 0.5 * he(X)
             unit = self.gain_bound * np.trace(values["X"], axis1=-2, axis2=-1)[..., None, None, None] / model.states
             border = unit * np.eye(Y.shape[-2])

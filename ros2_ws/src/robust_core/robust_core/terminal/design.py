@@ -13,7 +13,7 @@ from robust_core.analysis import Result
 from robust_core.certificates import Certificate
 from robust_core.certificates.primal import check_exact, check_float
 from robust_core.checks import finite_array, finite_number, symmetric
-from robust_core.errors import ArgumentError, ProofFailedError
+from robust_core.errors import ArgumentError, ProofFailedError, SolverError
 from robust_core.lmi import Constraint, Unknown, Unknowns
 from robust_core.lmi.coefficients import coefficients
 from robust_core.lmi.constraint import blocks, transpose
@@ -83,8 +83,11 @@ def design_terminal(
     limits = (C, D, b)
     unit: Floats = np.linalg.cholesky(np.linalg.inv(Q))
     for attempt in range(1, PASSES + 1):
-        X, Y = _solve(model, Q * (1.0 + reserve), R * (1.0 + reserve), unit, settings)
-        design = _claimed(model, X, Y, Q, R, limits, digits, reserve)
+        try:
+            X, Y = _solve(model, Q * (1.0 + reserve), R * (1.0 + reserve), unit, settings)
+            design = _claimed(model, X, Y, Q, R, limits, digits, reserve)
+        except np.linalg.LinAlgError as error:
+            raise SolverError("the weight grows without bound: no gain stabilises all vertices") from error
         if design.result.verdict is Verdict.PROVEN or attempt == PASSES:
             break
         # Measured in the weight that was found, the weight is near the identity: well scaled.
