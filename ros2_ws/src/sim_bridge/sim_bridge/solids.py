@@ -121,16 +121,18 @@ WorldObject = Annotated[Box | Cylinder | Step | Ramp | Slats, Field(discriminato
 
 def solids_of(item: Box | Cylinder | Step | Ramp | Slats) -> Iterator[Solid]:
     """The bodies that an object of a world file stands for."""
-    common = {"friction": item.friction, "colour": item.colour}
+    friction, colour = item.friction, item.colour
     if isinstance(item, Box):
-        centre = item.centre_m(item.size_m[2])
-        yield Solid(item.name, "box", item.size_m, centre, item.roll_pitch_yaw_rad, item.mass_kg or 0.0, **common)
+        centre, mass_kg = item.centre_m(item.size_m[2]), item.mass_kg or 0.0
+        yield Solid(item.name, "box", item.size_m, centre, item.roll_pitch_yaw_rad, mass_kg, friction, colour)
     elif isinstance(item, Cylinder):
         size, centre = (2.0 * item.radius_m, 2.0 * item.radius_m, item.height_m), item.centre_m(item.height_m)
-        yield Solid(item.name, "cylinder", size, centre, item.roll_pitch_yaw_rad, item.mass_kg or 0.0, **common)
+        mass_kg = item.mass_kg or 0.0
+        yield Solid(item.name, "cylinder", size, centre, item.roll_pitch_yaw_rad, mass_kg, friction, colour)
     elif isinstance(item, Step):
         size, turn = (item.length_m, item.width_m, item.height_m), (0.0, 0.0, item.yaw_rad)
-        yield Solid(item.name, "box", size, item.centre_m(item.height_m), turn, **common)
+        centre = item.centre_m(item.height_m)
+        yield Solid(item.name, "box", size, centre, turn, friction=friction, colour=colour)
     elif isinstance(item, Ramp):
         yield _ramp(item)
     else:

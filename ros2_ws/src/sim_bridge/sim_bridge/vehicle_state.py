@@ -39,7 +39,9 @@ class VehicleState:
 
     def point_velocity_mps(self, offset_m: Array) -> Array:
         """World velocity of that point."""
-        return self.velocity_mps + np.cross(self.angular_velocity_radps, self.rotation @ self._from_com(offset_m))
+        lever_m = self.rotation @ self._from_com(offset_m)
+        velocity: Array = self.velocity_mps + np.cross(self.angular_velocity_radps, lever_m)
+        return velocity
 
     def _from_com(self, offset_m: Array) -> Array:
         return np.asarray(offset_m, dtype=np.float64) - np.array([0.0, 0.0, self.com_height_m])
