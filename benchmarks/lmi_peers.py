@@ -61,7 +61,10 @@ def common_margin(A: Any, solver: str = "CVXOPT") -> float:
     constraints = [cvxpy.trace(P) == n, P >> t * np.eye(n)]
     constraints += [P @ a + a.T @ P << -t * np.eye(n) for a in A]
     problem = cvxpy.Problem(cvxpy.Maximize(t), constraints)
-    problem.solve(solver=solver)
+    try:
+        problem.solve(solver=solver)
+    except cvxpy.error.SolverError:
+        return float("nan")
     return float(t.value)
 
 

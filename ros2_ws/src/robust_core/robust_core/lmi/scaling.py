@@ -1,7 +1,7 @@
 """Equilibration of badly scaled LMIs by powers of two, so that nothing is rounded.
 
 Each block is congruent to D F D for a positive diagonal D, and each unknown may be measured in its own unit; both leave
-feasibility and the sign of multipliers alone. Geometric means of largest and smallest entries are driven to 1.
+feasibility and the sign of multipliers alone. A model in badly chosen units thus gets back to good ones.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,6 @@ from robust_core.lmi.coefficients import Family
 from robust_core.rational import Floats
 
 _SPREAD = 2.0**10
-_PASSES = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,33 +29,45 @@ class Scaling:
         )
 
 
+def _fit(families: Sequence[Family]) -> tuple[list[Floats], Floats]:
+    """Least squares of the logarithms of all non-zeros: log2 |F_i[a, b]| + d_a + d_b + u_i near 0."""
+    size = len(families[0].linear)
+    starts = np.cumsum([size, *(int(np.prod(family.constant.shape[:2])) for family in families)])
+    normal, right = np.zeros((starts[-1], starts[-1])), np.zeros(starts[-1])
+    for family, start in zip(families, starts[:-1], strict=True):
+        unknown, block, row, column = np.nonzero(family.linear)
+        target = -np.log2(np.abs(family.linear[unknown, block, row, column]))
+        n = family.constant.shape[1]
+        terms = (unknown, start + block * n + row, start + block * n + column)
+        for one in terms:
+            np.add.at(right, one, target)
+            for other in terms:
+                np.add.at(normal, (one, other), 1.0)
+    # Scales that no non-zero fixes stay at 1.
+    found = np.linalg.solve(normal + 1e-6 * np.eye(len(right)), right)
+    scales = _power_of_two(np.exp2(np.clip(found, -400.0, 400.0)))
+    congruences = [
+        scales[start:stop].reshape(family.constant.shape[:2])
+        for family, start, stop in zip(families, starts[:-1], starts[1:], strict=True)
+    ]
+    return congruences, scales[:size]
+
+
 def _power_of_two(values: Floats) -> Floats:
     return np.asarray(np.exp2(np.round(np.log2(values))), dtype=np.float64)
 
 
 def equilibrate(families: Sequence[Family]) -> tuple[tuple[Family, ...], Scaling | None]:
     """Families with entries near 1, and how to undo it; None where they were well scaled already."""
-    largest = [np.abs(family.linear).max(axis=(0, 1, 2, 3)) for family in families]
-    by_unknown = np.max([np.abs(family.linear).max(axis=(1, 2, 3)) for family in families], axis=0)
-    used = by_unknown[by_unknown > 0.0]
-    if used.size == 0 or max(max(largest), used.max()) <= _SPREAD * min(min(v for v in largest if v > 0.0), used.min()):
-        return tuple(families), None
-    congruences = [np.ones(family.constant.shape[:2]) for family in families]
-    units = np.ones(by_unknown.size)
     magnitudes = [np.abs(family.linear) for family in families]
-    for _ in range(_PASSES):
-        peaks = np.zeros(units.size)
-        for k, magnitude in enumerate(magnitudes):
-            d = congruences[k]
-            scaled = magnitude * units[:, None, None, None] * d[:, :, None] * d[:, None, :]
-            row = scaled.max(axis=(0, 3))
-            congruences[k] = d / np.sqrt(np.sqrt(np.where(row > 0.0, row, 1.0)))
-            d = congruences[k]
-            scaled = magnitude * units[:, None, None, None] * d[:, :, None] * d[:, None, :]
-            peaks = np.maximum(peaks, scaled.max(axis=(1, 2, 3)))
-        units = units / np.sqrt(np.where(peaks > 0.0, peaks, 1.0))
-    congruences = [_power_of_two(d) for d in congruences]
-    units = _power_of_two(units)
+    peaks = np.concatenate(
+        [np.max([one.max(axis=(1, 2, 3)) for one in magnitudes], axis=0)]
+        + [one.max(axis=(0, 3)).ravel() for one in magnitudes]
+    )
+    peaks = peaks[peaks > 0.0]
+    if peaks.size == 0 or peaks.max() <= _SPREAD * peaks.min():
+        return tuple(families), None
+    congruences, units = _fit(families)
     out = []
     for family, d in zip(families, congruences, strict=True):
         outer = d[:, :, None] * d[:, None, :]

@@ -72,12 +72,10 @@ class Template:
         columns = self.frame.columns.copy()
         inner = columns[: self.layout.size]
         inner[:] = (numbers @ self.table).reshape(inner.shape)
-        magnitudes = np.abs(inner)
-        by_unknown = magnitudes.max(axis=1)
-        by_constraint = np.array([magnitudes[:, span].max() for span in self.layout.spans])
-        largest = max(by_unknown.max(), by_constraint.max())
-        smallest = min(by_unknown.min(), by_constraint.min())
-        if not np.isfinite(largest) or not largest <= _SPREAD * smallest:
+        magnitudes = np.abs(inner[:, 1:])
+        by_unknown, by_row = magnitudes.max(axis=1), magnitudes.max(axis=0)
+        smallest = min(by_unknown.min(), by_row[by_row > 0.0].min(initial=np.inf))
+        if not by_unknown.max() <= _SPREAD * smallest:
             return None
         right = self.frame.right.copy()
         right[0] = self.total

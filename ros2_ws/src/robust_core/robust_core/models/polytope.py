@@ -25,7 +25,10 @@ def digest_of(content: Any) -> str:
 
 
 def _exact(name: str, values: Any, shape: tuple[int | None, ...], remedy: str) -> Exact:
-    source = np.asarray(values)
+    try:
+        source = np.asarray(values)
+    except ValueError as error:
+        raise ArgumentError(name, "an array of numbers", "rows of different lengths", remedy) from error
     if source.dtype.kind in "fiub":
         return exact_array(finite_array(name, source, shape, remedy))
     exact = exact_array(source)

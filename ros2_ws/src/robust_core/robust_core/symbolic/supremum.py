@@ -18,6 +18,8 @@ from robust_core.symbolic.packages import casadi_module
 
 _ROUNDING = 2.0**-46
 _START = 4
+_FLOOR = 1e-9
+"""Gap that is always enough, relative to the bounds on the first cells: a supremum may be zero."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,13 +101,16 @@ class Supremum:
             box_low, box_high = _cut(box_low, box_high, axis, _START)
         best = np.full(len(weights), -np.inf)
         settled = np.full(len(weights), -np.inf)
+        floor = np.zeros(len(weights))
         used = 0
         while True:
             current = self._evaluate(box_low, box_high)
             used += len(box_low)
             upper, lower = _in_chunks(current, weights)
             best = np.maximum(best, lower.max(axis=0))
-            open_cells = upper > best + relative * np.abs(best)
+            if used == len(box_low):
+                floor = _FLOOR * np.maximum(np.abs(upper), np.abs(lower)).max(axis=0)
+            open_cells = upper > best + relative * np.abs(best) + floor
             keep = open_cells.any(axis=1)
             settled = np.maximum(settled, np.where(keep[:, None], -np.inf, upper).max(axis=0))
             if progress is not None:
