@@ -16,6 +16,7 @@ from robust_core.rational import Exact, Floats, all_zero, definite, exact_array,
 from robust_core.theorems.base import Model, Theorem
 
 _PUSH = 1e-9
+_WHOLE = 2.0**44
 
 
 def check_dual(theorem: Theorem, model: Model, multipliers: Mapping[str, Exact]) -> None:
@@ -73,7 +74,8 @@ def _exact_multipliers(
     for Z in found:
         size = Z.shape[-1]
         normal = 0.5 * (Z + np.swapaxes(Z, -1, -2)) / scale + _PUSH * np.eye(size)
-        exact.append(exact_array(normal))
+        # Multipliers have no scale: whole numbers keep exact sums short.
+        exact.append(exact_array(np.round(normal * _WHOLE)))
         room.append(np.linalg.eigvalsh(normal).min(axis=-1))
     _, residual = _pairing(constraints, exact)
     columns, places = _columns(floats)

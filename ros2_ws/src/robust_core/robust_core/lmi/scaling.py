@@ -12,7 +12,11 @@ import numpy as np
 from robust_core.lmi.coefficients import Family
 from robust_core.rational import Floats
 
-_SPREAD = 2.0**10
+SPREAD = 2.0**10
+"""Ratio of the largest coefficients of rows and unknowns beyond which they are equilibrated."""
+
+SPREAD_OF_ALL = 2.0**24
+"""The same for all coefficients that are not zero."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +68,8 @@ def equilibrate(families: Sequence[Family]) -> tuple[tuple[Family, ...], Scaling
         [np.max([one.max(axis=(1, 2, 3)) for one in magnitudes], axis=0)]
         + [one.max(axis=(0, 3)).ravel() for one in magnitudes]
     )
-    peaks = peaks[peaks > 0.0]
-    if peaks.size == 0 or peaks.max() <= _SPREAD * peaks.min():
+    peaks, least = peaks[peaks > 0.0], min(one[one > 0.0].min(initial=np.inf) for one in magnitudes)
+    if peaks.size == 0 or (peaks.max() <= SPREAD * peaks.min() and peaks.max() <= SPREAD_OF_ALL * least):
         return tuple(families), None
     congruences, units = _fit(families)
     out = []

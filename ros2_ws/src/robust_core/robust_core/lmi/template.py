@@ -12,10 +12,10 @@ import numpy as np
 
 from robust_core.lmi.coefficients import Family
 from robust_core.lmi.layout import Layout, Rows
+from robust_core.lmi.scaling import SPREAD, SPREAD_OF_ALL
 from robust_core.rational import Floats
 
 _LARGEST = 4_000_000
-_SPREAD = 2.0**10
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,8 @@ class Template:
         magnitudes = np.abs(inner[:, 1:])
         by_unknown, by_row = magnitudes.max(axis=1), magnitudes.max(axis=0)
         smallest = min(by_unknown.min(), by_row[by_row > 0.0].min(initial=np.inf))
-        if not by_unknown.max() <= _SPREAD * smallest:
+        least = magnitudes[magnitudes > 0.0].min(initial=np.inf)
+        if not by_unknown.max() <= min(SPREAD * smallest, SPREAD_OF_ALL * least):
             return None
         right = self.frame.right.copy()
         right[0] = self.total

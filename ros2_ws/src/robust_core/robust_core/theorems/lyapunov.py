@@ -58,4 +58,6 @@ def pair_products(P: Any, A: Any, data: Data) -> Any:
     symmetric = he(P[..., :, None, :, :] @ A[..., None, :, :, :])
     first, second = _pairs(P.shape[-3])
     mixed = data["half"] * (symmetric[..., first, second, :, :] + symmetric[..., second, first, :, :])
+    if data["decay"] == 0:
+        return mixed
     return mixed + data["decay"] * (P[..., first, :, :] + P[..., second, :, :])
