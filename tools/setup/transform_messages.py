@@ -23,8 +23,15 @@ def build_environment(layout: Layout) -> dict[str, str]:
             "CMAKE_PREFIX_PATH": str(layout.venv),
             "VIRTUAL_ENV": str(layout.venv),
             "PATH": os.pathsep.join([str(layout.venv / "bin"), os.environ.get("PATH", "")]),
+            # Without this colcon adds a load limit, which on a busy machine leaves one compiler running at a time.
+            "MAKEFLAGS": f"-j{processors()}",
         }
     )
+
+
+def processors() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0))
 
 
 def install_tf2_msgs(layout: Layout) -> None:
@@ -40,7 +47,7 @@ def install_tf2_msgs(layout: Layout) -> None:
     configure: list[str | Path] = ["cmake", "-S", layout.tf2_msgs, "-B", build, f"-DCMAKE_INSTALL_PREFIX={layout.venv}"]
     configure += ["-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF"]
     configure += [f"-DPython3_EXECUTABLE={layout.python}", "-DPython3_FIND_VIRTUALENV=ONLY"]
-    compile_it: list[str | Path] = ["cmake", "--build", build, "--parallel", str(os.cpu_count() or 1)]
+    compile_it: list[str | Path] = ["cmake", "--build", build, "--parallel", str(processors())]
     install: list[str | Path] = ["cmake", "--install", build]
     for command in (configure, compile_it, install):
         run_logged(command, log=log, doing="Building tf2_msgs", environment=environment)
