@@ -40,11 +40,11 @@ class VehicleState:
     def point_velocity_mps(self, offset_m: Array) -> Array:
         """World velocity of that point."""
         lever_m = self.rotation @ self._from_com(offset_m)
-        velocity: Array = self.velocity_mps + np.cross(self.angular_velocity_radps, lever_m)
-        return velocity
+        return self.velocity_mps + np.cross(self.angular_velocity_radps, lever_m)
 
     def _from_com(self, offset_m: Array) -> Array:
-        return np.asarray(offset_m, dtype=np.float64) - np.array([0.0, 0.0, self.com_height_m])
+        from_com: Array = np.asarray(offset_m, dtype=np.float64) - np.array([0.0, 0.0, self.com_height_m])
+        return from_com
 
     @property
     def base_position_m(self) -> Array:
