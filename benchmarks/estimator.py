@@ -16,7 +16,7 @@ from sim_bridge.world import load_world
 from tracked_description import Robot, load_robot
 from tracked_localization import OdometryFilter, OdometryFilterSettings
 from tracked_report.results import write_metrics
-from tracked_types import PeriodGrid, Slip, Twist2, VelocityCommand, to_nanoseconds
+from tracked_types import BodyState, PeriodGrid, Slip, Twist2, VelocityCommand, angle_difference, to_nanoseconds
 
 WORLDS = ("flat", "step", "ice", "slats")
 """Worlds by seed, modulo their number: even ground, one step, low friction in patches, rough ground."""
@@ -68,6 +68,9 @@ class Outcome:
     nis: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
     nis_at_rest: list[float] = field(default_factory=list)
     slip_errors: list[float] = field(default_factory=list)
+    slip_speed_errors: list[float] = field(default_factory=list)
+    position_errors: list[float] = field(default_factory=list)
+    yaw_errors: list[float] = field(default_factory=list)
     blamed: dict[str, float] = field(default_factory=dict)
     bias_errors: list[tuple[float, float]] = field(default_factory=list)
     step_times_us: list[float] = field(default_factory=list)
@@ -134,9 +137,11 @@ def run(
         simulator.inject(fault)
     estimator = OdometryFilter(OdometryFilterSettings.from_robot(robot))
     outcome = Outcome()
-    truths: dict[int, Slip] = {}
+    truths: dict[int, tuple[BodyState, Slip]] = {}
     for batch in batches(simulator, drive, seconds):
-        truths.update((slip.stamp_ns, slip) for slip in batch.truth_slip)
+        truths.update(
+            (state.stamp_ns, (state, slip)) for state, slip in zip(batch.truth, batch.truth_slip, strict=True)
+        )
         begun = time.thread_time()
         estimates = [estimate for sample in batch.imu for estimate in estimator.add_imu(sample)]
         estimates += [estimate for sample in batch.tracks for estimate in estimator.add_tracks(sample)]
@@ -147,9 +152,13 @@ def run(
             else:
                 outcome.nis[innovation.sensor].append(innovation.normalised_square)
         for estimate in estimates:
-            truth = truths[estimate.slip.stamp_ns]
-            if estimate.slip.known and truth.known:
-                outcome.slip_errors.append(estimate.slip.yaw_rate_radps - truth.yaw_rate_radps)
+            state, slip = truths[estimate.slip.stamp_ns]
+            if estimate.slip.known and slip.known:
+                outcome.slip_errors.append(estimate.slip.yaw_rate_radps - slip.yaw_rate_radps)
+                outcome.slip_speed_errors.append(estimate.slip.speed_mps - slip.speed_mps)
+            pose = simulator.start.compose(estimate.odometry.pose)
+            outcome.position_errors.append(math.hypot(pose.x_m - state.pose.x_m, pose.y_m - state.pose.y_m))
+            outcome.yaw_errors.append(angle_difference(pose.yaw_rad, state.pose.yaw_rad))
         for culprit in estimator.health.culprits:
             outcome.blamed.setdefault(culprit.sensor, 1e-9 * batch.stamp_ns)
         error = estimator.gyro_bias_radps - float(simulator.sensors.gyro_bias_radps[2])
@@ -214,6 +223,9 @@ def measure_drives(robot: Robot, seeds: range, seconds: float) -> dict[str, floa
         "estimator.nis_at_rest_mean": float(np.mean([value for each in outcomes for value in each.nis_at_rest])),
         "estimator.false_blames": sum(len(outcome.blamed) for outcome in outcomes),
         "estimator.slip_yaw_rate_rms_radps": max(rms(outcome.slip_errors) for outcome in outcomes),
+        "estimator.slip_speed_rms_mps": max(rms(outcome.slip_speed_errors) for outcome in outcomes),
+        "estimator.position_rms_m": rms([error for each in outcomes for error in each.position_errors]),
+        "estimator.yaw_rms_rad": rms([error for each in outcomes for error in each.yaw_errors]),
         "estimator.step_us_median": float(np.median(every_time)),
         "estimator.step_us_p99": float(np.percentile(every_time, 99)),
     }

@@ -13,6 +13,8 @@ from tracked_localization import OdometryFilter, OdometryFilterSettings
 from tracked_types import ImuSample, Pose2, Slip, TrackSample, Twist2, wrap_angle
 
 SUBSTEPS = 4
+LOST_SHARE = 0.01
+"""Of the belts' travel, on even ground."""
 
 
 @dataclass(frozen=True)
@@ -41,10 +43,10 @@ def wandering(seed: int) -> Callable[[float], tuple[float, float]]:
 
 
 class SyntheticCrawler:
-    """Belts follow ramped commands with a lag; the body turns by ``yaw_ratio`` of what the belts ask for."""
+    """Belts follow ramped commands with a lag; the body turns ``yaw_ratio`` times as fast, and slides outwards."""
 
-    def __init__(self, robot: Robot, drive, seed: int = 0, *, yaw_ratio: float = 0.8, slip: float = 0.01) -> None:
-        self._robot, self._drive, self._yaw_ratio, self._slip = robot, drive, yaw_ratio, slip
+    def __init__(self, robot: Robot, drive, seed: int = 0, *, yaw_ratio: float = 0.8, slide_s: float = 0.18) -> None:
+        self._robot, self._drive, self._yaw_ratio, self._slide_s = robot, drive, yaw_ratio, slide_s
         self._random = np.random.default_rng(seed)
         self._command = np.zeros(2)
         self._belts = np.zeros(2)
@@ -79,10 +81,12 @@ class SyntheticCrawler:
             self._belts = self._belts + (targets - self._belts) * step / robot.tracks.motor_time_constant_s
             self._travel = self._travel + self._belts * step
             twist = self._ground_twist()
-            middle = self._pose.yaw_rad + 0.5 * twist.yaw_rate_radps * step
+            slip_angle = self._slide_s * twist.yaw_rate_radps
+            direction = self._pose.yaw_rad + 0.5 * twist.yaw_rate_radps * step - slip_angle
+            reach = twist.speed_mps * step / math.cos(slip_angle)
             self._pose = Pose2(
-                self._pose.x_m + twist.speed_mps * step * math.cos(middle),
-                self._pose.y_m + twist.speed_mps * step * math.sin(middle),
+                self._pose.x_m + reach * math.cos(direction),
+                self._pose.y_m + reach * math.sin(direction),
                 wrap_angle(self._pose.yaw_rad + twist.yaw_rate_radps * step),
             )
         return self._ground_twist()
@@ -90,7 +94,7 @@ class SyntheticCrawler:
     def _ground_twist(self) -> Twist2:
         left, right = self._belts.tolist()
         belt_rate = (right - left) / self._robot.tracks.gauge_m
-        return Twist2(0.5 * (left + right) * (1.0 - self._slip), belt_rate * self._yaw_ratio)
+        return Twist2(0.5 * (left + right) * (1.0 - LOST_SHARE), belt_rate * self._yaw_ratio)
 
     def _true_slip(self, stamp_ns: int) -> Slip:
         left, right = self._belts.tolist()

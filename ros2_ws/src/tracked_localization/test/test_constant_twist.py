@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from tracked_localization.constant_twist import constant_twist_step
@@ -30,12 +30,19 @@ def test_two_half_steps_are_one_step(yaw, speed, rate, duration):
     assert whole.y_m == pytest.approx(first.y_m + second.y_m, abs=1e-9)
 
 
-@given(YAWS, SPEEDS, RATES, st.floats(0.001, 0.5))
-def test_derivatives_are_those_of_the_displacement(yaw, speed, rate, duration):
-    step, small = constant_twist_step(yaw, speed, rate, duration), 1e-5
+def test_slide_turns_the_motion_off_the_heading_and_keeps_the_forward_speed():
+    step = constant_twist_step(0.0, 0.4, 1.0, 1e-6, slide_s=0.2)
+    assert step.x_m == pytest.approx(0.4e-6)
+    assert step.y_m == pytest.approx(-0.4e-6 * math.tan(0.2), rel=1e-5)
+
+
+@given(YAWS, SPEEDS, RATES, st.floats(0.001, 0.5), st.floats(0.0, 0.5))
+def test_derivatives_are_those_of_the_displacement(yaw, speed, rate, duration, slide):
+    assume(abs(abs(slide * rate) - 0.5) > 1e-3)
+    step, small = constant_twist_step(yaw, speed, rate, duration, slide), 1e-5
 
     def slope(of, **change):
-        up = {"yaw_rad": yaw, "speed_mps": speed, "yaw_rate_radps": rate, "duration_s": duration}
+        up = {"yaw_rad": yaw, "speed_mps": speed, "yaw_rate_radps": rate, "duration_s": duration, "slide_s": slide}
         down = dict(up)
         for name in change:
             up[name] += small

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 _SMALL_RAD = 1e-4
+_LARGEST_SLIP_ANGLE_RAD = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,22 +26,30 @@ class TwistStep:
     y_per_rate: float
 
 
-def constant_twist_step(yaw_rad: float, speed_mps: float, yaw_rate_radps: float, duration_s: float) -> TwistStep:
-    """Move along an arc from heading ``yaw_rad``: the chord points along the heading at mid-step.
+def constant_twist_step(
+    yaw_rad: float, speed_mps: float, yaw_rate_radps: float, duration_s: float, slide_s: float = 0.0
+) -> TwistStep:
+    """Move along an arc from heading ``yaw_rad``: the chord points along the direction of motion at mid-step.
 
-    The midpoint rule with the chord's exact length, so circles close for any step (erratum 5.2.4).
+    The midpoint rule with the chord's exact length, so circles close for any step (erratum 5.2.4). A tracked
+    robot slides outwards in a curve: it moves ``slide_s`` times the yaw rate off its heading (slip angle).
     """
     half = 0.5 * yaw_rate_radps * duration_s
-    cosine, sine = math.cos(yaw_rad + half), math.sin(yaw_rad + half)
+    slip_angle = min(max(slide_s * yaw_rate_radps, -_LARGEST_SLIP_ANGLE_RAD), _LARGEST_SLIP_ANGLE_RAD)
+    direction = yaw_rad + half - slip_angle
+    cosine, sine = math.cos(direction), math.sin(direction)
     if abs(half) < _SMALL_RAD:
         shortening, slope = 1.0 - half * half / 6.0, -half / 3.0
     else:
         shortening = math.sin(half) / half
         slope = (math.cos(half) - shortening) / half
-    reach = duration_s * shortening
+    # The forward speed is one leg of a triangle, the slide the other, the chord its long side.
+    stretch = duration_s / math.cos(slip_angle)
+    reach = stretch * shortening
     chord = speed_mps * reach
-    along = 0.5 * speed_mps * duration_s * duration_s * slope
-    across = 0.5 * duration_s * chord
+    sliding = slide_s if abs(slip_angle) < _LARGEST_SLIP_ANGLE_RAD else 0.0
+    along = 0.5 * duration_s * speed_mps * stretch * slope + chord * sliding * math.tan(slip_angle)
+    across = chord * (0.5 * duration_s - sliding)
     return TwistStep(
         x_m=chord * cosine,
         y_m=chord * sine,

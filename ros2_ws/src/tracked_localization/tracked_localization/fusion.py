@@ -122,9 +122,12 @@ class SensorFusion:
         if reading.fault is not None:
             self._blames.blame(IMU, reading.fault, stamp_ns)
         self._gyro_record.add(stamp_ns, reading.rate_radps)
+        moved = not self.standing
         self._standstill.add_gyro(
             stamp_ns, reading.rate_radps, self._filter.gyro_bias_radps, self._filter.gyro_bias_variance
         )
+        if self.standing and moved:
+            self._filter.come_to_rest()
         self._check_bias(stamp_ns)
         if reading.rate_radps is None:
             return

@@ -122,12 +122,16 @@ class PoseFilter:
         speed = fading * float(state[SPEED]) + duration_s * float(state[ACCELERATION])
         rate = float(state[YAW_RATE]) + duration_s * float(state[YAW_ACCELERATION])
         state[SPEED], state[YAW_RATE] = speed, rate
-        self._step = constant_twist_step(float(state[YAW]), speed, rate, duration_s)
+        self._step = constant_twist_step(float(state[YAW]), speed, rate, duration_s, self._settings.slide_s)
         self._ekf.F = _transition(self._step, duration_s, fading)
         self._ekf.Q = self._unseen_motion(speed, rate, duration_s, gyro_fails)
         self._ekf.predict()
         bound(self._ekf.P)
         keep_positive_definite(self._ekf.P)
+
+    def come_to_rest(self) -> None:
+        """The pose is frozen from now on, although the body may still sway on its belts."""
+        self._ekf.P[YAW, YAW] += self._settings.settling_yaw_rad**2
 
     def stand(self, duration_s: float) -> None:
         """Let ``duration_s`` pass at rest: only the gyro's bias may change."""

@@ -64,8 +64,18 @@ class OdometryFilterSettings:
     longitudinal_slip: float = setting(
         0.03, "slip common to both tracks, as a share of the speed (one sigma); no sensor sees it", low=0.0, high=1.0
     )
+    slide_s: float = setting(
+        0.18,
+        "angle between motion and heading per yaw rate: tracks slide outwards in curves",
+        unit="s",
+        low=0.0,
+        high=1.0,
+    )
     lateral_slip_m: float = setting(
-        0.02, "sideways speed per yaw rate (one sigma); no sensor sees it", unit="m", low=0.0, high=1.0
+        0.04, "sideways speed per yaw rate (one sigma); no sensor sees it", unit="m", low=0.0, high=1.0
+    )
+    settling_yaw_rad: float = setting(
+        0.004, "turn that a stopping robot may still make on its belts (one sigma)", unit="rad", low=0.0, high=0.1
     )
     slip_correlation_s: float = setting(0.5, "time over which unseen slip stays alike", unit="s", low=0.01, high=60.0)
     belt_yaw_ratio: float = setting(
