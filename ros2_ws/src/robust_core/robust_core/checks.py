@@ -55,6 +55,6 @@ def symmetric(name: str, value: Any, size: int | None = None, *, relative: float
     if gap.max() > relative * max(np.abs(array).max(), np.finfo(float).tiny):
         row, column = (int(k) for k in np.unravel_index(gap.argmax(), gap.shape))
         raise ArgumentError(
-            name, "symmetric", f"{array[row, column]!r} at ({row}, {column}) and {array[column, row]!r} across"
+            name, "symmetric", f"{array[row, column]} at ({row}, {column}) and {array[column, row]} across"
         )
     return 0.5 * (array + array.T)

@@ -1,11 +1,13 @@
 """Unknowns, cones, scaling and the solver underneath the theorems."""
 
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robust_core.errors import ArgumentError, SolverError, SolverLimitError
+from robust_core.errors import ArgumentError, MissingDependencyError, SolverError, SolverLimitError
 from robust_core.lmi import Constraint, Unknown, Unknowns, he
 from robust_core.lmi.barrier import Stack, best_margins
 from robust_core.lmi.coefficients import Family, coefficients
@@ -146,6 +148,13 @@ def test_margin_needs_homogeneous_families_and_a_size() -> None:
     affine = coefficients(unknowns, lambda v: (Constraint("g >= 2", v["g"][..., None, :, :] - 2.0, sized=True),))
     with pytest.raises(ArgumentError, match="homogeneous"):
         MarginSolver().solve(affine)
+
+
+@pytest.mark.parametrize("name", ["clarabel", "scipy"])
+def test_a_missing_solver_is_named(name, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(MissingDependencyError, match=f"{name} is not installed"):
+        MarginSolver().solve(lyapunov(-np.eye(2)))
 
 
 def test_coefficients_that_are_not_finite_are_refused() -> None:

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from robust_core.checks import finite_array, finite_number, symmetric
 from robust_core.errors import ArgumentError, RateError
 from robust_core.models import PolytopicSystem, RateBounds, Simplices
 from robust_core.plants import chua, example_2_4_1
@@ -98,6 +99,23 @@ def test_closed_loop_is_exact_and_needs_one_b() -> None:
 def test_theorems_on_rates_say_so_when_there_are_none(theorem) -> None:
     with pytest.raises(RateError, match="whole box"):
         theorem.specialised(PolytopicSystem.of(GOOD))
+
+
+@pytest.mark.parametrize("bad", ["x", None, math.nan, math.inf, -1.0, 11.0])
+def test_numbers_out_of_range_are_refused_by_name(bad) -> None:
+    with pytest.raises(ArgumentError, match="gain"):
+        finite_number("gain", bad, low=0.0, high=10.0)
+    assert finite_number("gain", "2.5", low=0.0, high=10.0) == 2.5
+
+
+def test_asymmetry_is_refused_not_averaged_away() -> None:
+    with pytest.raises(ArgumentError, match=r"symmetric, got 2.0 at \(0, 1\)"):
+        symmetric("Q", [[1.0, 2.0], [3.0, 1.0]])
+    with pytest.raises(ArgumentError, match="square"):
+        symmetric("Q", [[1.0, 2.0]])
+    with pytest.raises(ArgumentError, match="list that is not one"):
+        finite_array("Q", [["a"]], (1, 1))
+    assert symmetric("Q", [[1.0, 2.0], [2.0 + 1e-15, 1.0]]).tolist() == [[1.0, 2.0], [2.0, 1.0]]
 
 
 def test_bounds_at_both_ends_reach_the_formulas() -> None:

@@ -122,6 +122,24 @@ def test_sweeps_go_on_where_they_stopped(tmp_path) -> None:
         assert ((found.verdicts[row] == Verdict.PROVEN) == (points[:, 0] > 0.0)).all()
 
 
+def test_sweeps_on_several_processes_say_the_same() -> None:
+    points = example_2_4_1.grid(24)
+    model_family = example_2_4_1.Family(math.pi / 40)
+    single = sweep([CommonLyapunov()], model_family, points, workers=1)
+    several = sweep([CommonLyapunov()], model_family, points, workers=2)
+    assert (single.verdicts == several.verdicts).all()
+
+
+def broken_family(points: np.ndarray) -> list[PolytopicSystem]:
+    """A family that cannot make its models."""
+    raise ZeroDivisionError("no models")
+
+
+def test_errors_of_a_family_reach_the_caller() -> None:
+    with pytest.raises(ZeroDivisionError, match="no models"):
+        sweep([CommonLyapunov()], broken_family, np.ones((2, 1)), workers=1)
+
+
 def test_sweep_files_of_other_sweeps_or_with_damage_are_refused(tmp_path) -> None:
     points, file = np.array([[1.0], [2.0]]), tmp_path / "sweep.jsonl"
     sweep([CommonLyapunov()], family, points, workers=1, file=file)

@@ -1,17 +1,19 @@
 """Models from formulas: agreement with the original, and bounds on rates that hold over the whole box."""
 
 import math
+import sys
 
 import casadi
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robust_core.errors import ArgumentError, EnclosureError, ModelMismatchError, RateError
+from robust_core.errors import ArgumentError, EnclosureError, MissingDependencyError, ModelMismatchError, RateError
 from robust_core.plants import chua, chua_formulas, example_2_4_1
 from robust_core.symbolic import StateDependentModel, Term, check_agreement, derive
 from robust_core.symbolic.interval import BallFunction, box_balls, middles_and_radii
+from robust_core.symbolic.packages import casadi_module, flint_module
 from robust_core.symbolic.supremum import Supremum
 
 PI2 = math.pi / 2
@@ -52,6 +54,7 @@ def test_bounds_for_many_parameters_are_those_for_each() -> None:
         assert (single.low <= bounds.high).all()
 
 
+@settings(max_examples=25)
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-20.0, 0.0), st.floats(100.0, 200.0))
 def test_no_point_of_the_box_exceeds_the_upper_bound(u, v, alpha, beta) -> None:
     bounds = MODEL_MAP.bounds(np.array([[alpha, beta]]), relative=1e-3)[0]
@@ -86,8 +89,8 @@ def test_weights_of_chua_are_the_circuits() -> None:
     function = casadi.Function("f", [model.variables], [model.matrix @ model.variables, model.weights])
     for state in np.random.default_rng(3).uniform(-6.0, 6.0, (20, 3)):
         flow, weights = function(state)
-        assert np.allclose(np.ravel(flow), chua.derivative(state))
-        assert np.allclose(np.ravel(weights), chua.stabilisation_weights(state[1]))
+        assert np.allclose(np.array(flow).ravel(), chua.derivative(state))
+        assert np.allclose(np.array(weights).ravel(), chua.stabilisation_weights(state[1]))
 
 
 def test_printed_entry_of_2_4_1_is_refused_by_name() -> None:
@@ -197,6 +200,13 @@ def test_balls_contain_every_value(which, low, width, share) -> None:
     middle, radius = middles_and_radii(BallFunction(expression, x)(box_balls(np.array([low]), np.array([low + width]))))
     value = float(casadi.Function("f", [x], [expression])(low + share * width))
     assert middle[0] - radius[0] - 1e-12 <= value <= middle[0] + radius[0] + 1e-12
+
+
+@pytest.mark.parametrize(("name", "ask"), [("casadi", casadi_module), ("flint", flint_module)])
+def test_a_missing_package_is_named(name, ask, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(MissingDependencyError, match="not installed"):
+        ask()
 
 
 def test_switches_and_poles_have_no_enclosure() -> None:
