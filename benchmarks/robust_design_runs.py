@@ -1,0 +1,166 @@
+"""Simulations for the design benchmark: Chua's oscillators, the tunnel diode with filters, the tracking error."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robust_core.filtering import Filter
+from robust_core.plants import chua, tunnel_diode
+from robust_core.plants.tracking_error import TrackingError
+from robust_core.terminal import CommandLimits, TerminalDesign
+
+Array = NDArray[np.float64]
+SWITCH_S = 20.0
+START = (-0.1, -0.1, 0.1)
+FOLLOWER_START = (0.1, 0.1, -0.1)
+LIMIT_A = 10.0
+PERIOD_S = 1.8015  # of the limit cycle
+
+
+def runge_kutta(
+    derivative: Callable[[float, Array], Array], state: Array, start: float, stop: float, step: float
+) -> Array:
+    """States at every step, (count + 1, ...)."""
+    count = round((stop - start) / step)
+    out = np.empty((count + 1, *state.shape))
+    out[0] = state
+    for k in range(count):
+        t, x = start + k * step, out[k]
+        a = derivative(t, x)
+        b = derivative(t + 0.5 * step, x + 0.5 * step * a)
+        c = derivative(t + 0.5 * step, x + 0.5 * step * b)
+        d = derivative(t + step, x + step * c)
+        out[k + 1] = x + step / 6.0 * (a + 2.0 * (b + c) + d)
+    return out
+
+
+@dataclass(frozen=True, slots=True)
+class ChuaRun:
+    """settle_s: until the error stays below 0.01; peak_a: largest |u|; last_limit_s: when it was last at the limit."""
+
+    settle_s: float
+    peak_a: float
+    last_limit_s: float
+
+
+def open_loop(step: float) -> Array:
+    """States of leader and follower until the switch and for one period after it, (count, 2, 3)."""
+    start = np.array([START, FOLLOWER_START])
+    return runge_kutta(lambda _, x: chua.derivative(x), start, 0.0, SWITCH_S + PERIOD_S, step)
+
+
+def limit_cycle(states: Array, step: float, points: int = 41) -> Array:
+    """Points around one period of the cycle, moved out by half a percent so that their hull holds the arcs between."""
+    cycle = states[round(SWITCH_S / step) :, 0]
+    return np.asarray(1.005 * cycle[np.linspace(0, len(cycle) - 1, points, dtype=int)])
+
+
+def stabilise(gains: Sequence[Array], states: Array, duration: float, step: float) -> list[ChuaRun]:
+    """Every set of gains from the switch on, with the source's limit."""
+    laws = [chua.stabilising_current(K, LIMIT_A) for K in gains]
+    start = np.repeat(states[round(SWITCH_S / step), 0][None], len(gains), axis=0)
+
+    def currents(x: Array) -> Array:
+        return np.array([law(one) for law, one in zip(laws, x, strict=True)])
+
+    found = runge_kutta(lambda _, x: chua.derivative(x, currents(x)), start, 0.0, duration, step)
+    return [
+        _judge(np.linalg.norm(found[:, k], axis=-1), np.asarray(law(found[:, k])), step) for k, law in enumerate(laws)
+    ]
+
+
+def synchronise(gains: Sequence[Array], states: Array, duration: float, step: float) -> list[ChuaRun]:
+    """The follower under every set of gains from the switch on, with the source's limit."""
+    laws = [chua.synchronising_current(K, LIMIT_A) for K in gains]
+    both = states[round(SWITCH_S / step)].ravel()
+    start = np.repeat(both[None], len(gains), axis=0)
+
+    def motion(_: float, x: Array) -> Array:
+        current = np.array([law(one) for law, one in zip(laws, x, strict=True)])
+        return np.concatenate([chua.derivative(x[:, :3]), chua.derivative(x[:, 3:], current)], axis=1)
+
+    found = runge_kutta(motion, start, 0.0, duration, step)
+    error = np.linalg.norm(found[..., 3:] - found[..., :3], axis=-1)
+    return [_judge(error[:, k], np.asarray(law(found[:, k])), step) for k, law in enumerate(laws)]
+
+
+def _judge(error: Array, current: Array, step: float) -> ChuaRun:
+    above = np.flatnonzero(error > 0.01)
+    settle = np.nan if above.size and above[-1] == len(error) - 1 else (above[-1] + 1 if above.size else 0) * step
+    at_limit = np.flatnonzero(np.abs(current) >= LIMIT_A * (1.0 - 1e-9))
+    return ChuaRun(float(settle), float(np.abs(current).max()), float(at_limit[-1] * step) if at_limit.size else 0.0)
+
+
+def filter_errors(filters: Sequence[Filter], radians_per_s: float, *, seed: int, step: float = 5e-4) -> Array:
+    """Largest |z - z_f| per amplitude of w = 0.5 sin(radians_per_s t) over 4 s to 6 s, of the nonlinear circuit.
+
+    Rows: resistance 7, 10, 13 ohm frozen and five runs drawn anew every 0.1 s; columns: filters.
+    """
+    rng = np.random.default_rng(seed)
+    duration, amplitude, hold = 6.0, 0.5, 0.1
+    drawn = rng.uniform(*tunnel_diode.RESISTANCE_OHM, (round(duration / hold) + 1, 5))
+    fixed = np.array([tunnel_diode.RESISTANCE_OHM[0], 10.0, tunnel_diode.RESISTANCE_OHM[1]])
+    A, B, C = (np.array([f.matrices()[k] for f in filters]) for k in range(3))
+    runs = len(fixed) + drawn.shape[1]
+
+    def motion(t: float, x: Array) -> Array:
+        w = amplitude * np.sin(radians_per_s * t)
+        resistance = np.concatenate([fixed, drawn[int(t / hold)]])
+        plant, state = x[:, 0], x[:, 1:]
+        moved = np.einsum("fij,rfj->rfi", A, state) + B[:, :, 0] * (plant[:, None, :1] - w)
+        return np.concatenate([tunnel_diode.derivative(plant, w, resistance)[:, None], moved], axis=1)
+
+    start = np.zeros((runs, 1 + len(filters), 2))
+    start[:, 0] = [0.2, -0.05]
+    found = runge_kutta(motion, start, 0.0, duration, step)[round(4.0 / step) :]
+    estimate = np.einsum("fj,krfj->krf", C[:, 0], found[:, :, 1:])
+    return np.asarray(np.abs(found[:, :, 0, 1:2] - estimate).max(axis=0) / amplitude)
+
+
+def terminal_descent(
+    design: TerminalDesign,
+    model: TrackingError,
+    limits: CommandLimits,
+    weights: Any,
+    *,
+    starts: int,
+    steps: int,
+    seed: int,
+) -> dict[str, float]:
+    """The terminal law on the unicycle from random starts in the set, beside references that change at random.
+
+    descended: share of steps with V+ - V <= -(stage cost); inside: share of states in the set; limits: share within the
+    commands' room; worst: the largest (V+ - V + stage) / V, negative where all descend.
+    """
+    rng = np.random.default_rng(seed)
+    direction = rng.normal(size=(starts, 3))
+    direction /= np.linalg.norm(direction, axis=1)[:, None]
+    radius = rng.uniform(0.0, 1.0, (starts, 1)) ** (1.0 / 3.0) * np.sqrt(design.level)
+    error = np.linalg.solve(np.linalg.cholesky(design.P).T, (direction * radius).T).T
+    room, Q = np.array(limits.room(model)[:2]), np.array([weights["position"]] * 2 + [weights["heading"]])
+    R = np.array([weights["speed"], weights["yaw_rate"]])
+    good, inside, kept, worst, simple = 0, 0, 0, -np.inf, 0
+    for _ in range(steps):
+        change = error @ design.K.T
+        speed = rng.uniform(*model.speed_mps, starts)
+        yaw_rate = rng.uniform(-model.yaw_rate_radps, model.yaw_rate_radps, starts)
+        after = model.step(error, change, speed, yaw_rate)
+        value, following = (np.einsum("ki,ij,kj->k", e, design.P, e) for e in (error, after))
+        gap = following - value + error**2 @ Q + change**2 @ R
+        good += int((gap <= 0.0).sum())
+        simple += int((following - value <= -Q.min() * (error**2).sum(axis=1)).sum())
+        inside += int(np.sum(design.contains(after)))
+        kept += int((np.abs(change) <= room).all(axis=1).sum())
+        worst = max(worst, float((gap / value).max()))
+        error = after
+    total = float(starts * steps)
+    return {
+        "descended": good / total,
+        "inequality_5_2_21": simple / total,
+        "inside": inside / total,
+        "limits_kept": kept / total,
+        "worst_excess": worst,
+    }
