@@ -37,6 +37,10 @@ def test_corners_of_the_box_would_give_zero() -> None:
     corners = [function([i * PI2, j * PI2], [-14, 100]) for i in (-1, 1) for j in (-1, 1)]
     assert np.abs(np.array(corners)).max() < 1e-12
     assert (model.rates((-14, 100), method="sampled").high > 1.7).all()
+    with pytest.raises(RateError, match="false map"):
+        model.rates((-14, 100), method="corners")
+    with pytest.raises(ArgumentError, match="method"):
+        model.rates((-14, 100), method="guess")
 
 
 def test_sampled_bounds_stay_below_the_enclosure_and_prove_nothing() -> None:

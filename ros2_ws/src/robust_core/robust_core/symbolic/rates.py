@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from robust_core.errors import RateError
+from robust_core.errors import ArgumentError, RateError
 from robust_core.models import RateBounds
 from robust_core.rational import Floats
 from robust_core.symbolic.packages import casadi_module
@@ -35,7 +35,20 @@ class RateMap:
         self._suprema: list[Supremum] | None = None
 
     def bounds(self, parameters: Floats, *, method: str = "enclosed", relative: float = 1e-6) -> list[RateBounds]:
-        """Bounds for every row of ``parameters`` (N, p)."""
+        """Bounds for every row of ``parameters`` (N, p).
+
+        Raises
+        ------
+        RateError: for bounds from the corners of the box.
+        EnclosureError: if a rate has no finite enclosure.
+        """
+        if method == "corners":
+            raise RateError(
+                "rates have their maxima anywhere in the box: at the corners of +-pi/2 those of example 2.4.1 are zero, "
+                "which would make a false map (erratum 2.4.1-phi); use enclosed, or sampled for a first look"
+            )
+        if method not in ("enclosed", "sampled"):
+            raise ArgumentError("method", '"enclosed" or "sampled"', repr(method))
         weights = np.hstack([np.ones((len(parameters), 1)), parameters])
         if method == "sampled":
             low = high = self._sampled(weights)
