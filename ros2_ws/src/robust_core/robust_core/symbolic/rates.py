@@ -44,8 +44,8 @@ class RateMap:
         """
         if method == "corners":
             raise RateError(
-                "rates have their maxima anywhere in the box: at the corners of +-pi/2 those of example 2.4.1 are zero, "
-                "which would make a false map (erratum 2.4.1-phi); use enclosed, or sampled for a first look"
+                "rates have their maxima anywhere in the box: at the corners of +-pi/2 those of example 2.4.1 are "
+                "zero, which would make a false map (erratum 2.4.1-phi); use enclosed, or sampled for a first look"
             )
         if method not in ("enclosed", "sampled"):
             raise ArgumentError("method", '"enclosed" or "sampled"', repr(method))
