@@ -99,7 +99,7 @@ class DissipativeIndex:
                     self.figure,
                     "such that D'Psi1 D + D'Psi2 + Psi2'D + Psi3 > 0 (Assumption 1.5)",
                     f"{self.figure_at(float(to_float(exact_array(level)))):g}, which breaks it at vertex {vertex}",
-                    "with D = 0 Psi3 must be positive: very strict passivity with tau > 0 has no filter (erratum 3.3)",
+                    "with D = 0 Psi3 must be positive: very strict passivity with tau > 0 has no filter (erratum 3.3-tau)",
                 )
 
     def to_json(self) -> dict[str, Any]:
@@ -161,7 +161,7 @@ def energy_to_peak(z: int = 1, w: int = 1) -> DissipativeIndex:
 
 
 def passive(size: int = 1) -> DissipativeIndex:
-    """Passivity up to gamma: int 2 z'w + gamma w'w >= 0. Psi3 = gamma, not its square (erratum 3.5)."""
+    """Passivity up to gamma: int 2 z'w + gamma w'w >= 0. Psi3 = gamma, not its square (erratum 3.3-passive)."""
     zero = _scaled_identity(size, 0)
     return DissipativeIndex("passive", zero, zero, _scaled_identity(size), zero)
 

@@ -46,7 +46,7 @@ class FaultObserver:
         return {"E": E, "X": X, "M": M, "N": M @ A - X @ C, "R": M @ data["B"], "L": gain}
 
     def is_blind(self, plant: LipschitzPlant) -> bool:
-        """Whether C (zI - N)^-1 M D is identically zero, decided exactly: M D != 0 does not suffice (erratum 4.4)."""
+        """Whether C (zI - N)^-1 M D is identically zero, decided exactly: M D != 0 does not suffice (erratum 4.3.6)."""
         found, data = self.matrices(plant, exact=True), plant.data(exact=True)
         reached = found["M"] @ data["D"]
         for _ in range(plant.states):

@@ -1,8 +1,8 @@
 """Corollary 4.1 in scaled variables: the largest Lipschitz constant that Theorem 4.1 admits.
 
 As printed, solvers scatter from 58 to 999 with status "optimal"; with states in units of what they move in one step and
-P scaled with the square of D_f they agree on 1000 (erratum 4.1). For the sensor the supremum is 1/Ts whatever mass and
-stiffness, and its maximiser is blind: it tells how far observers can go, not which one to take.
+P scaled with the square of D_f they agree on 1000 (erratum 4.3.18). For the sensor the supremum is 1/Ts whatever mass
+and stiffness, and its maximiser is blind: it tells how far observers can go, not which one to take.
 """
 
 from dataclasses import dataclass

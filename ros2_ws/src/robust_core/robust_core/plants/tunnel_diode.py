@@ -1,8 +1,8 @@
 """The tunnel diode circuit of section 3.3: its current is estimated from a disturbed voltage.
 
 States: the voltage of the capacitor (V), within +-3 V, and the current of the inductor (A). The thesis prints an
-inductance of 2 H; its matrices are those of 1 H (erratum 3.3). The weights come in two pairs that each sum to 1/2, so
-the printed vertices are not attained: :func:`tunnel_diode` gives them, ``tunnel_diode().attained()`` the true ones.
+inductance of 2 H; its matrices are those of 1 H (erratum 3.3-data). The weights come in two pairs that each sum to 1/2,
+so the printed vertices are not attained: :func:`tunnel_diode` gives them, ``tunnel_diode().attained()`` the true ones.
 """
 
 from typing import Any

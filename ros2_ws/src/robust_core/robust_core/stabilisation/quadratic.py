@@ -1,6 +1,6 @@
 """Designs Q and S: vertex gains from one quadratic Lyapunov function, with or without limits.
 
-With X = P^-1 and Y_j = K_j X: A_i X + B_i Y_j + (.)' + 2 decay X < 0 (erratum 2.3), on pairs i <= j where the B_i
+With X = P^-1 and Y_j = K_j X: A_i X + B_i Y_j + (.)' + 2 decay X < 0 (erratum 2.3.6), on pairs i <= j where the B_i
 differ; [X, Y_j'; Y_j, u^2] >= 0 keeps |u| <= u_max in {x'X^-1 x <= 1}, c X c' <= b^2 keeps it in the box, and
 [1, v'; v, X] >= 0 puts the start v inside: design S. The gains are rounded, then proven on their own.
 """

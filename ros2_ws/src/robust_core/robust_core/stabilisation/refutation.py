@@ -3,7 +3,7 @@
 Take i = z, a vertex j and a state k that no input reaches, s = (1 + lambda) sum_{r != z} |phi_r|, and the vector
 (e_k; w) with w_k = s and w_l = -a_kl for the other states l. On (2.3.6) the gains and all P_kl, l != k, cancel, and
 with P_z > I / eps what remains is (2 a_kk + s - sum_l a_kl^2 / s) / eps at least. Where that is positive nothing is a
-solution, whatever the gains (erratum 2.4). It grows with lambda: ruled out at lambda -> 0, the theorem is ruled out
+solution, whatever the gains (erratum 2.3.6). It grows with lambda: ruled out at lambda -> 0, the theorem is ruled out
 for all.
 """
 

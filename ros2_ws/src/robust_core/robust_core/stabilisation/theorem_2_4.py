@@ -3,7 +3,7 @@
 For any gains it asks P_z > I / eps > P_r > I / (eps (1 + lambda)) and, for all i, j,
 [He(A_j P_i + B_j Q_ij), P_i; P_i, -I / (eps (1 + lambda) sum_{r != z} |phi_r|)] < 0. The printed K_j = Q_ij P_i^-1 for
 all i couples the unknowns bilinearly; here the Q_ij are free, which only helps: where even that is infeasible, so is
-the printed theorem (erratum 2.4). eps scales out and is one more unknown.
+the printed theorem (erratum 2.3.6). eps scales out and is one more unknown.
 """
 
 from collections.abc import Sequence
