@@ -69,12 +69,4 @@ class DriveLimits:
 
     def braked(self, twist: Twist2, duration_s: float) -> Twist2:
         """``twist`` after braking for ``duration_s`` as hard as the limits allow; never beyond standstill."""
-        return Twist2(
-            towards_zero(twist.speed_mps, self.braking_mps2 * duration_s),
-            towards_zero(twist.yaw_rate_radps, self.yaw_acceleration_radps2 * duration_s),
-        )
-
-
-def towards_zero(value: float, step: float) -> float:
-    """``value`` moved by ``step`` towards zero, but not past it."""
-    return max(value - step, 0.0) if value > 0.0 else min(value + step, 0.0)
+        return twist.towards_rest(self.braking_mps2 * duration_s, self.yaw_acceleration_radps2 * duration_s)

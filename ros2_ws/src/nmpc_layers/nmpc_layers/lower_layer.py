@@ -12,16 +12,17 @@ from nmpc_layers.lower_settings import LowerSettings
 from nmpc_layers.plan_shapes import as_trajectory, step_times
 from nmpc_layers.sent_commands import SentCommands
 from nmpc_layers.solver import BoxSolver, Problem, Solution, TrackSolver
-from nmpc_layers.stamp_order import CLOCK_JUMP_NS, StampOrder
 from nmpc_layers.stop_ramp import StopRamp
 from tracked_types import (
     Odometry,
     PeriodGrid,
     Slip,
     SolverStatus,
+    StampOrder,
     Trajectory,
     Twist2,
     VelocityCommand,
+    clock_set_back,
     seconds_between,
     to_nanoseconds,
 )
@@ -73,8 +74,8 @@ class LowerLayer:
         """The upper layer's newest trajectory; an older or non-finite one is ignored."""
         if not (np.isfinite(plan.states).all() and np.isfinite(plan.inputs).all()):
             return
-        # Far older than the one before: the clock was set back, and the one before is from another time.
-        if self._plan is None or not self._plan.stamp_ns - CLOCK_JUMP_NS <= plan.stamp_ns < self._plan.stamp_ns:
+        latest_ns = plan.stamp_ns if self._plan is None else self._plan.stamp_ns
+        if plan.stamp_ns >= latest_ns or clock_set_back(latest_ns, plan.stamp_ns):
             self._plan = plan
 
     def set_slip(self, slip: Slip) -> None:

@@ -5,8 +5,7 @@ from bisect import insort
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from nmpc_layers.stamp_order import CLOCK_JUMP_NS
-from tracked_types import Pose2, Twist2, VelocityCommand, seconds_between, to_nanoseconds, wrap_angle
+from tracked_types import Pose2, Twist2, VelocityCommand, clock_set_back, seconds_between, to_nanoseconds, wrap_angle
 
 MEMORY_S = 2.0
 STANDSTILL = Twist2(0.0, 0.0)
@@ -29,8 +28,8 @@ class SentCommands:
         """Record a command; one of an equal stamp replaces it, one that is not finite is ignored."""
         if not (math.isfinite(command.twist.speed_mps) and math.isfinite(command.twist.yaw_rate_radps)):
             return
-        if self._stamps and command.stamp_ns < self._stamps[-1] - CLOCK_JUMP_NS:
-            self.forget()  # the clock was set back
+        if self._stamps and clock_set_back(self._stamps[-1], command.stamp_ns):
+            self.forget()
         if command.stamp_ns not in self._twists:
             insort(self._stamps, command.stamp_ns)
         self._twists[command.stamp_ns] = command.twist

@@ -11,7 +11,6 @@ from nmpc_layers.plan_queue import Plan, PlanQueue
 from nmpc_layers.plan_shapes import as_trajectory, continuous_headings, step_times, stopping
 from nmpc_layers.sent_commands import GroundModel, SentCommands, predict
 from nmpc_layers.solver import BoxSolver, Motion, MotionParameters, Problem, Solution
-from nmpc_layers.stamp_order import StampOrder
 from nmpc_layers.stop_ramp import StopRamp
 from nmpc_layers.upper_settings import UpperSettings
 from tracked_types import (
@@ -19,6 +18,7 @@ from tracked_types import (
     PeriodGrid,
     Pose2,
     SolverStatus,
+    StampOrder,
     Trajectory,
     Twist2,
     VelocityCommand,

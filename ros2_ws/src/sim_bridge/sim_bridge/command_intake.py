@@ -93,9 +93,8 @@ class CommandIntake:
         while self._waiting and self._waiting[0].stamp_ns + self._settings.transport_delay_ns <= now_ns:
             self._twist = self._waiting.popleft().twist
         if self.timed_out(now_ns):
-            self._twist = Twist2(
-                towards_zero(self._twist.speed_mps, self._settings.braking_mps2 * period_s),
-                towards_zero(self._twist.yaw_rate_radps, self._settings.yaw_acceleration_radps2 * period_s),
+            self._twist = self._twist.towards_rest(
+                self._settings.braking_mps2 * period_s, self._settings.yaw_acceleration_radps2 * period_s
             )
         return self._twist
 
@@ -120,8 +119,3 @@ class CommandIntake:
             raise CommandRefused("stale", f"{(now_ns - command.stamp_ns) / 1e9:g} s old")
         if self._newest_stamp_ns is not None and command.stamp_ns < self._newest_stamp_ns:
             raise CommandRefused("out of order", f"{command.stamp_ns} ns follows {self._newest_stamp_ns} ns")
-
-
-def towards_zero(value: float, step: float) -> float:
-    """``value`` moved towards zero by at most ``step``."""
-    return math.copysign(max(0.0, abs(value) - step), value)

@@ -17,8 +17,9 @@ from tracked_description.urdf_shapes import (
     cylinder_inertia,
     sub_element,
 )
+from tracked_types import LEFT_TRACK, RIGHT_TRACK
 
-TRACK_JOINTS = ("left_track", "right_track")
+TRACK_JOINTS = (LEFT_TRACK, RIGHT_TRACK)
 SENSOR_SIZES_M = {"imu": (0.03, 0.03, 0.01), "lidar": (0.07, 0.07, 0.04), "camera": (0.025, 0.09, 0.025)}
 _COLOURS = {"body": "0.25 0.27 0.30 1", "rubber": "0.08 0.08 0.08 1", "metal": "0.60 0.62 0.65 1"}
 _PART_MASS_KG = 0.05  # of each sensor and sprocket; robot.yaml counts them with the chassis

@@ -4,8 +4,8 @@ import pytest
 
 from tracked_localization.belt_gate import BeltGate
 from tracked_localization.belt_pair import BeltPair
-from tracked_localization.health import LEFT_TRACK, RIGHT_TRACK, Fault
-from tracked_types import TrackSample
+from tracked_localization.health import Fault
+from tracked_types import LEFT_TRACK, RIGHT_TRACK, TrackSample
 
 PERIOD_NS = 1_000_000_000 // 60
 TICK_M = 0.0002

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 from tracked_localization.belt_gate import BeltGate, BeltReading
-from tracked_localization.health import LEFT_TRACK, RIGHT_TRACK, Fault
+from tracked_localization.health import Fault
 from tracked_localization.settings import OdometryFilterSettings
-from tracked_types import TrackSample, seconds_between
+from tracked_types import LEFT_TRACK, RIGHT_TRACK, TrackSample, seconds_between
 
 _CHECK_S = 0.35
 _LEAST_SPEED_MPS = 0.1

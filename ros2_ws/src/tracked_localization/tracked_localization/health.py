@@ -9,8 +9,6 @@ from tracked_types import to_nanoseconds
 
 IMU = "imu"
 TRACKS = "tracks"
-LEFT_TRACK = "left_track"
-RIGHT_TRACK = "right_track"
 
 
 class Fault(Enum):

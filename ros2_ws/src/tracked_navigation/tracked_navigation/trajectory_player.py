@@ -14,6 +14,7 @@ from tracked_types import (
     Odometry,
     PeriodGrid,
     Pose2,
+    StampOrder,
     Trajectory,
     angle_difference,
     seconds_between,
@@ -22,7 +23,6 @@ from tracked_types import (
 from tracked_types.setting import check_settings, setting
 
 REFERENCE_RATE_HZ = 5
-_CLOCK_JUMP_NS = to_nanoseconds(0.5)  # further back than reordering explains: the world was reset
 _CLOSURE_M = 0.01
 _CLOSURE_RAD = 0.01
 
@@ -109,7 +109,7 @@ class TrajectoryPlayer:
         """Forget the robot; the next odometry anchors the trajectory anew."""
         self.phase = Phase.WAITING
         self._track: Trajectory | None = None
-        self._previous_ns = 0
+        self._order = StampOrder()
         self._rest_since_ns: int | None = None
 
     def update(self, odometry: Odometry) -> PlayerOutput:
@@ -121,17 +121,17 @@ class TrajectoryPlayer:
         if not np.all(np.isfinite(odometry.pose.as_array())):
             self.ignored_odometry += 1
             return PlayerOutput()
-        if self._track is not None and odometry.stamp_ns <= self._previous_ns:
-            if odometry.stamp_ns > self._previous_ns - _CLOCK_JUMP_NS:
-                self.ignored_odometry += 1
-                return PlayerOutput()
+        if self._order.jumps_back(odometry.stamp_ns):
             self.restart()
+        if not self._order.advance(odometry.stamp_ns):
+            self.ignored_odometry += 1
+            return PlayerOutput()
+        previous_ns = self._order.previous_ns
         if self._track is None:
             self._track = self._anchored(odometry)
             # The first piece at once: whoever plans at the next instant must have it by then.
-            self._previous_ns = self._grid.stamp_ns(self._grid.index_at(odometry.stamp_ns)) - 1
-        instants = self._grid.crossed(self._previous_ns, odometry.stamp_ns)
-        self._previous_ns = odometry.stamp_ns
+            previous_ns = self._grid.stamp_ns(self._grid.index_at(odometry.stamp_ns)) - 1
+        instants = self._grid.crossed(previous_ns, odometry.stamp_ns)
         reached = self._judge(odometry, self._track)
         if not instants:
             return PlayerOutput(reached=reached)
@@ -145,9 +145,9 @@ class TrajectoryPlayer:
     @property
     def progress(self) -> float:
         """Share of the trajectory's time that has passed, 0 to 1 (of the lap, when looping)."""
-        if self._track is None:
+        if self._track is None or self._order.latest_ns is None:
             return 0.0
-        elapsed = seconds_between(self._previous_ns, self._track.stamp_ns)
+        elapsed = seconds_between(self._order.latest_ns, self._track.stamp_ns)
         share = elapsed / float(self._track.times_s[-1])
         return max(share % 1.0 if self.settings.loop else min(share, 1.0), 0.0)
 

@@ -6,10 +6,9 @@ from collections import Counter
 from dataclasses import dataclass
 
 from tracked_safety.arbiter_settings import SOURCES, ArbiterSettings
-from tracked_types import PeriodGrid, Twist2, VelocityCommand, seconds_between, to_nanoseconds
+from tracked_types import PeriodGrid, Twist2, VelocityCommand, clock_set_back, seconds_between, to_nanoseconds
 
 _REST = Twist2(0.0, 0.0)
-_CLOCK_JUMP_NS = to_nanoseconds(0.5)  # further back than reordering explains: the world was reset
 
 
 class Mode(enum.Enum):
@@ -102,7 +101,7 @@ class CommandArbiter:
 
         Time that goes back by more than half a second is a reset world: the robot stops until fresh commands.
         """
-        if self._now_ns is not None and stamp_ns < self._now_ns - _CLOCK_JUMP_NS:
+        if clock_set_back(self._now_ns, stamp_ns):
             self._clock_jumped_back()
         before_ns, self._ticked_ns = self._ticked_ns, max(stamp_ns, self._ticked_ns or 0)
         self._now_ns = self._ticked_ns

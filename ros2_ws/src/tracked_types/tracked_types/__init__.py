@@ -18,13 +18,16 @@ from tracked_types.scan import LaserScan
 from tracked_types.setting import check_settings, setting, settings_of
 from tracked_types.slip import Slip
 from tracked_types.solver_status import SolverStatus
+from tracked_types.stamp_order import StampOrder, clock_set_back
 from tracked_types.stamps import NANOSECONDS_PER_SECOND, seconds_between, to_nanoseconds
-from tracked_types.tracks import TrackSample
+from tracked_types.tracks import LEFT_TRACK, RIGHT_TRACK, TrackSample
 from tracked_types.trajectory import Trajectory
 from tracked_types.twist import Twist2
 
 __all__ = [
+    "LEFT_TRACK",
     "NANOSECONDS_PER_SECOND",
+    "RIGHT_TRACK",
     "BodyState",
     "GoalReached",
     "ImuSample",
@@ -36,12 +39,14 @@ __all__ = [
     "Pose2",
     "Slip",
     "SolverStatus",
+    "StampOrder",
     "TrackSample",
     "Trajectory",
     "Twist2",
     "VelocityCommand",
     "angle_difference",
     "check_settings",
+    "clock_set_back",
     "seconds_between",
     "setting",
     "settings_of",

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+LEFT_TRACK, RIGHT_TRACK = "left_track", "right_track"  # joints of the URDF; sensors are called so too
+
 
 @dataclass(frozen=True, slots=True)
 class TrackSample:

@@ -8,9 +8,7 @@ from sensor_msgs.msg import JointState
 from node_kit.conversions.checks import require_finite, require_size
 from node_kit.conversions.headers import fill_header, stamp_from_message
 from node_kit.rejection import RejectedMessage
-from tracked_types import TrackSample
-
-LEFT_TRACK, RIGHT_TRACK = "left_track", "right_track"
+from tracked_types import LEFT_TRACK, RIGHT_TRACK, TrackSample
 
 
 def tracks_from_message(message: JointState, *, wheel_radius_m: float) -> TrackSample:
