@@ -140,6 +140,10 @@ def _columns(constraints: Sequence[Constraint]) -> tuple[Floats, list[Place]]:
 def _pivots(columns: Floats, weights: Floats) -> list[int] | None:
     """Columns that span the equations, preferring large weights and columns with a single non-zero."""
     lone = (columns != 0.0).sum(axis=0) == 1
+    alone = np.abs(columns) * np.where(lone, weights, 0.0)
+    if (alone.max(axis=1) > 0.0).all():
+        # Every unknown has a multiplier of its own, as P_r has in P_r > 0.
+        return [int(place) for place in alone.argmax(axis=1)]
     work = columns * np.where(lone, 1e3 * weights, weights)
     chosen: list[int] = []
     floor = 1e-12 * float(np.abs(work).max(initial=0.0))
