@@ -9,7 +9,6 @@ from robust_core.checks import finite_array
 from robust_core.errors import ArgumentError
 from robust_core.lmi.constraint import blocks
 from robust_core.models import FilterPlant, PolytopicSystem
-from robust_core.rational import Floats
 from robust_core.theorems.base import Data
 from robust_core.theorems.options import MatrixOption, matrix_option, option_array, rounded
 
@@ -58,10 +57,6 @@ class Filter:
             raise ArgumentError("B", f"with {sizes['y']} columns, one per measurement", f"{len(self.B[0])}")
         if len(self.C) != sizes["z"]:
             raise ArgumentError("C", f"with {sizes['z']} rows, one per estimated signal", f"{len(self.C)}")
-
-    def output(self, states: Floats) -> Floats:
-        """z_f of filter states (..., k)."""
-        return np.asarray(states @ self.matrices()[2].T)
 
 
 def error_matrices(data: Data, filtering: Filter, *, exact: bool) -> tuple[Any, Any, Any, Any]:

@@ -51,12 +51,6 @@ class DissipativeIndex:
             return float(np.sqrt(max(level, 0.0)))
         return 0.0 - level if self.negated else level
 
-    def level_at(self, figure: float) -> float:
-        """The level of a figure."""
-        if self.squared:
-            return figure * figure
-        return -figure if self.negated else figure
-
     def check(self, plant: FilterPlant, level: Any = None) -> None:
         """Assumption 1 of chapter 3 for this plant; with a level, its last point too.
 
@@ -99,7 +93,7 @@ class DissipativeIndex:
                     self.figure,
                     "such that D'Psi1 D + D'Psi2 + Psi2'D + Psi3 > 0 (Assumption 1.5)",
                     f"{self.figure_at(float(to_float(exact_array(level)))):g}, which breaks it at vertex {vertex}",
-                    "with D = 0 Psi3 must be positive: very strict passivity with tau > 0 has no filter (erratum 3.3-tau)",
+                    "with D = 0 very strict passivity with tau > 0 has no filter (erratum 3.3-tau)",
                 )
 
     def to_json(self) -> dict[str, Any]:

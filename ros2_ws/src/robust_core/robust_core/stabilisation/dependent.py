@@ -1,4 +1,4 @@
-"""Design D: vertex gains from a parameter-dependent Lyapunov function, what Theorem 2.4 should have been (erratum 2.3.6).
+"""Design D: vertex gains from a parameter-dependent Lyapunov function, in place of Theorem 2.4 (erratum 2.3.6).
 
 With P~_r = X' P_r X, a common slack X and a scalar mu that is searched: P~_r > 0, P~_r >= P~_z, and for all i, j
 [sum_r phi_r (P~_r - P~_z) + He(A_j X + B_j Y_j), P~_i - X + mu (A_j X + B_j Y_j)'; *, -mu (X + X')] < 0, K_j = Y_j
