@@ -56,6 +56,13 @@ def test_offset_is_named_and_not_trusted_until_it_agrees_with_the_belts(gate):
     assert again[-1].rate_radps is not None
 
 
+def test_turn_that_a_blow_explains_is_believed(gate):
+    blow = replace(sample(10, 1.2), linear_acceleration_mps2=np.array([-15.0, 5.0, 9.8]))
+    assert gate.update(blow, 0.0, 1e-4, 0.0).rate_radps == pytest.approx(1.2)
+    after = readings(gate, [1.1, 1.0, 0.9], first=11, expected=1.0)
+    assert all(reading.rate_radps is not None for reading in after)
+
+
 def test_without_belts_the_gate_reopens(gate):
     assert readings(gate, [1.5] * 100, belts=None)[-1].rate_radps == pytest.approx(1.5)
 

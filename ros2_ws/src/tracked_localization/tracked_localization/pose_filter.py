@@ -6,8 +6,9 @@ import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
 from tracked_localization.adaptive_noise import AdaptiveNoise
-from tracked_localization.constant_twist import TwistStep, constant_twist_step
+from tracked_localization.constant_twist import constant_twist_step
 from tracked_localization.innovation import Innovation
+from tracked_localization.process_model import transition, unseen_motion
 from tracked_localization.settings import OdometryFilterSettings
 from tracked_localization.state import (
     ACCELERATION,
@@ -30,7 +31,6 @@ from tracked_types import Odometry, Pose2, Twist2, wrap_angle
 
 _START_VARIANCE = 1e-8
 _STANDING_VARIANCE = 1e-10
-_ACCELERATION_MEMORY_S = 0.2
 _FADING_S = 0.5
 _GYRO_ROW = row(YAW_RATE, BIAS)
 _BIAS_ROW = row(BIAS)
@@ -109,8 +109,8 @@ class PoseFilter:
 
     def predict(self, duration_s: float, *, belts_fail: bool = False, gyro_fails: bool = False) -> None:
         """Move on by ``duration_s``, with all the noise a manoeuvre can cause where no sensor watches."""
-        state, covariance = self._ekf.x, self._ekf.P
-        fading = 1.0
+        settings, state, covariance = self._settings, self._ekf.x, self._ekf.P
+        heading, fading = float(state[YAW]), 1.0
         if belts_fail:
             # Nobody knows whether the belts still turn: the best guess fades towards rest.
             fading = math.exp(-duration_s / _FADING_S)
@@ -122,9 +122,9 @@ class PoseFilter:
         speed = fading * float(state[SPEED]) + duration_s * float(state[ACCELERATION])
         rate = float(state[YAW_RATE]) + duration_s * float(state[YAW_ACCELERATION])
         state[SPEED], state[YAW_RATE] = speed, rate
-        self._step = constant_twist_step(float(state[YAW]), speed, rate, duration_s, self._settings.slide_s)
-        self._ekf.F = _transition(self._step, duration_s, fading)
-        self._ekf.Q = self._unseen_motion(speed, rate, duration_s, gyro_fails)
+        self._step = constant_twist_step(heading, speed, rate, duration_s, settings.slide_s)
+        self._ekf.F = transition(self._step, duration_s, fading)
+        self._ekf.Q = unseen_motion(settings, heading, speed, rate, duration_s, gyro_fails=gyro_fails)
         self._ekf.predict()
         bound(self._ekf.P)
         keep_positive_definite(self._ekf.P)
@@ -240,47 +240,9 @@ class PoseFilter:
         state[ACCELERATION] *= memory
         state[YAW_ACCELERATION] *= memory
 
-    def _unseen_motion(self, speed: float, yaw_rate: float, duration_s: float, gyro_fails: bool) -> Array:
-        """Covariance (9, 9) of what happens during a step and no sensor sees: slip, and the bias's walk."""
-        settings = self._settings
-        # Slip is alike for a while; white noise of the same long-run growth has 2 x time x variance.
-        spread = 2.0 * settings.slip_correlation_s * duration_s
-        along = (settings.longitudinal_slip * speed) ** 2 * spread
-        across = (settings.lateral_slip_m * yaw_rate) ** 2 * spread
-        heading = float(self._ekf.x[YAW])
-        cosine, sine = math.cos(heading), math.sin(heading)
-        noise = np.zeros((SIZE, SIZE))
-        noise[X, X] = along * cosine * cosine + across * sine * sine
-        noise[Y, Y] = along * sine * sine + across * cosine * cosine
-        noise[X, Y] = noise[Y, X] = (along - across) * sine * cosine
-        if gyro_fails:
-            noise[YAW, YAW] = (settings.belt_yaw_ratio_deviation * yaw_rate) ** 2 * spread
-        noise[BIAS, BIAS] = settings.gyro_bias_walk_radps_sqrt_s**2 * duration_s
-        return noise
-
     def _correct(self, value: float, selection: Array, variance: float) -> None:
         self._ekf.update(
             np.array([value]), lambda _state: selection, lambda state: selection @ state, R=np.array([[variance]])
         )
         self._ekf.x[YAW] = wrap_angle(float(self._ekf.x[YAW]))
         keep_positive_definite(self._ekf.P)
-
-
-def _transition(step: TwistStep, duration_s: float, fading: float) -> Array:
-    """Jacobian (9, 9) of a step: accelerations move the speeds, then the new speeds move the pose."""
-    jacobian = np.eye(SIZE)
-    jacobian[X, YAW] = step.x_per_yaw
-    jacobian[Y, YAW] = step.y_per_yaw
-    speeds = (
-        (SPEED, ACCELERATION, fading, ((X, step.x_per_speed), (Y, step.y_per_speed), (ROLLED, duration_s))),
-        (YAW_RATE, YAW_ACCELERATION, 1.0, ((X, step.x_per_rate), (Y, step.y_per_rate), (YAW, duration_s))),
-    )
-    memory = math.exp(-duration_s / _ACCELERATION_MEMORY_S)
-    for speed, acceleration, kept, moved in speeds:
-        jacobian[speed, speed] = kept
-        jacobian[speed, acceleration] = duration_s
-        jacobian[acceleration, acceleration] = memory
-        for component, per_speed in moved:
-            jacobian[component, speed] = per_speed * kept
-            jacobian[component, acceleration] = per_speed * duration_s
-    return jacobian
