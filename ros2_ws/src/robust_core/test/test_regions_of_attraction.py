@@ -106,7 +106,7 @@ def test_sweeps_go_on_where_they_stopped(tmp_path) -> None:
     with pytest.raises(Interrupted):
         sweep([CommonLyapunov(), ParameterDependent()], family, points, workers=1, file=file, progress=stop)
     with file.open("a") as stream:
-        stream.write('{"part": "1:5')
+        stream.write('{"start": 512, "verd')
     seen = []
     found = sweep(
         [CommonLyapunov(), ParameterDependent()],
@@ -118,8 +118,10 @@ def test_sweeps_go_on_where_they_stopped(tmp_path) -> None:
     )
     assert seen[0][0] > 600
     assert seen[-1] == (2200, 2200)
+    again = sweep([CommonLyapunov(), ParameterDependent()], family, points, workers=1, file=file)
     for row in range(2):
         assert ((found.verdicts[row] == Verdict.PROVEN) == (points[:, 0] > 0.0)).all()
+        assert (found.verdicts[row] == again.verdicts[row]).all()
 
 
 def test_sweeps_on_several_processes_say_the_same() -> None:

@@ -72,33 +72,33 @@ def sweep(
     kinds = tuple(theorems)
     if not kinds:
         raise ArgumentError("theorems", "at least one", "none")
-    starts = range(0, len(grid), _CHUNK)
-    todo = [(k, start) for start in starts for k in range(len(kinds))]
     header = _header(kinds, family, grid, exact)
-    done = {} if file is None else _read(Path(file), header)
-    store = _Store(None if file is None else Path(file), header, done)
+    store = _Store.opened(None if file is None else Path(file), header)
     total = len(kinds) * len(grid)
 
     def report() -> None:
         if progress is not None:
-            progress(sum(len(rows) for rows in store.done.values()), total)
+            progress(sum(len(rows) for part in store.done.values() for rows in part), total)
 
     report()
-    open_tasks = [task for task in todo if f"{task[0]}:{task[1]}" not in store.done]
-    jobs = {task: (kinds[task[0]], family, grid[task[1] : task[1] + _CHUNK], exact) for task in open_tasks}
+    jobs = {
+        start: (kinds, family, grid[start : start + _CHUNK], exact)
+        for start in range(0, len(grid), _CHUNK)
+        if start not in store.done
+    }
     processes = workers or len(os.sched_getaffinity(0))
-    if processes == 1 or len(open_tasks) <= 1:
-        for task, job in jobs.items():
-            store.add(task, _work(*job))
+    if processes == 1 or len(jobs) <= 1:
+        for start, job in jobs.items():
+            store.add(start, _work(*job))
             report()
     else:
         _in_parallel(jobs, processes, store, report)
     return _collect(kinds, grid, store.done)
 
 
-def _in_parallel(jobs: dict[Any, Any], processes: int, store: "_Store", report: Callable[[], None]) -> None:
+def _in_parallel(jobs: dict[int, Any], processes: int, store: "_Store", report: Callable[[], None]) -> None:
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        running: dict[Future[Any], Any] = {pool.submit(_work, *job): task for task, job in jobs.items()}
+        running: dict[Future[Any], int] = {pool.submit(_work, *job): start for start, job in jobs.items()}
         try:
             while running:
                 finished, _ = wait(running, return_when=FIRST_COMPLETED)
@@ -110,9 +110,16 @@ def _in_parallel(jobs: dict[Any, Any], processes: int, store: "_Store", report: 
             raise
 
 
-def _work(theorem: Theorem, family: Family, points: Floats, exact: bool) -> list[list[Any]]:
-    results = decide_many(theorem, family(points), exact=exact)
-    return [[result.verdict.value, repr(result.margin)] for result in results]
+Part = list[list[list[str]]]
+"""Verdict and margin of every theorem at every point of a chunk."""
+
+
+def _work(theorems: Sequence[Theorem], family: Family, points: Floats, exact: bool) -> Part:
+    models = family(points)
+    return [
+        [[result.verdict.value, repr(result.margin)] for result in decide_many(theorem, models, exact=exact)]
+        for theorem in theorems
+    ]
 
 
 def _header(theorems: Sequence[Theorem], family: Family, points: Floats, exact: bool) -> str:
@@ -120,48 +127,54 @@ def _header(theorems: Sequence[Theorem], family: Family, points: Floats, exact: 
     return digest_of([[t.to_json() for t in theorems], named, [v.hex() for v in points.ravel().tolist()], exact])
 
 
+@dataclass(frozen=True, slots=True)
 class _Store:
-    """Results so far, in memory and in the file."""
+    """Results so far by the first point of their chunk, in memory and in the file."""
 
-    def __init__(self, path: Path | None, header: str, done: dict[str, list[list[Any]]]) -> None:
-        self.path, self.done = path, done
-        if path is not None and not done:
-            path.write_text(json.dumps({"sweep": header}) + "\n", encoding="utf-8")
+    path: Path | None
+    done: dict[int, Part]
 
-    def add(self, task: tuple[int, int], rows: list[list[Any]]) -> None:
-        key = f"{task[0]}:{task[1]}"
-        self.done[key] = rows
+    @staticmethod
+    def opened(path: Path | None, header: str) -> "_Store":
+        """What the file holds; it is written again, so that a line that was cut off is gone."""
+        if path is None:
+            return _Store(None, {})
+        done = _read(path, header) if path.exists() else {}
+        lines = [{"sweep": header}, *({"start": start, "verdicts": part} for start, part in done.items())]
+        path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+        return _Store(path, done)
+
+    def add(self, start: int, part: Part) -> None:
+        """Keep the results of a chunk."""
+        self.done[start] = part
         if self.path is not None:
             with self.path.open("a", encoding="utf-8") as stream:
-                stream.write(json.dumps({"part": key, "rows": rows}) + "\n")
+                stream.write(json.dumps({"start": start, "verdicts": part}) + "\n")
 
 
-def _read(path: Path, header: str) -> dict[str, list[list[Any]]]:
-    if not path.exists():
-        return {}
+def _read(path: Path, header: str) -> dict[int, Part]:
     lines = path.read_text(encoding="utf-8").splitlines()
-    done: dict[str, list[list[Any]]] = {}
+    done: dict[int, Part] = {}
     for number, line in enumerate(lines):
         try:
             content = json.loads(line)
-        except ValueError as error:
+            if number > 0:
+                done[int(content["start"])] = content["verdicts"]
+        except (ValueError, KeyError, TypeError) as error:
             if number == len(lines) - 1 and number > 0:
                 break  # The sweep was interrupted while it wrote this line.
             raise SweepFileError(f"{path}: line {number + 1} is damaged") from error
-        if number == 0:
-            if content.get("sweep") != header:
-                raise SweepFileError(f"{path}: was written by another sweep; name another file, or delete it")
-        else:
-            done[content["part"]] = content["rows"]
+        if number == 0 and (not isinstance(content, dict) or content.get("sweep") != header):
+            raise SweepFileError(f"{path}: was written by another sweep; name another file, or delete it")
     return done
 
 
-def _collect(theorems: tuple[Theorem, ...], points: Floats, done: dict[str, list[list[Any]]]) -> SweepResult:
+def _collect(theorems: tuple[Theorem, ...], points: Floats, done: dict[int, Part]) -> SweepResult:
     verdicts = np.full((len(theorems), len(points)), Verdict.UNDECIDED, dtype=object)
     margins = np.full(verdicts.shape, np.nan)
-    for key, rows in done.items():
-        kind, start = (int(part) for part in key.split(":"))
-        for offset, (verdict, margin) in enumerate(rows):
-            verdicts[kind, start + offset] = Verdict(verdict)
-            margins[kind, start + offset] = float(margin)
+    for start, part in done.items():
+        for kind, rows in enumerate(part):
+            for offset, (verdict, margin) in enumerate(rows):
+                verdicts[kind, start + offset] = Verdict(verdict)
+                margins[kind, start + offset] = float(margin)
     return SweepResult(theorems, points, verdicts, margins)
