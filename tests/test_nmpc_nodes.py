@@ -90,6 +90,9 @@ def test_lower_layer_in_lock_step_waits_for_slip_and_plan(probe, start_node):
     _, odom = running(probe, start_node, LOWER, lock_step="true", pipeline_latency_s=0.1)
     plan, slips = probe.publisher(TrajectoryMessage, "upper_nmpc/trajectory"), probe.publisher(SlipEstimate, "slip")
     commands = probe.collect(TwistStamped, "cmd_vel_nav", 100)
+    # In the place of the arbiter: all passes.
+    sent = probe.publisher(TwistStamped, "cmd_vel")
+    probe.node.create_subscription(TwistStamped, "cmd_vel_nav", sent.publish, 100)
     indices = iter(range(12, 10_000))
 
     def feed(index):

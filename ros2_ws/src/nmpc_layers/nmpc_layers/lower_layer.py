@@ -88,7 +88,7 @@ class LowerLayer:
 
     def set_sent(self, command: VelocityCommand) -> None:
         """A command as it went to the base."""
-        self._sent.add(command)
+        self._sent.confirm(command)
 
     def waits_for_plan(self, stamp_ns: int) -> bool:
         """Whether, in lock-step, the tick of ``stamp_ns`` must wait for a plan that is due by then.
@@ -101,6 +101,10 @@ class LowerLayer:
         made_ns = stamp_ns - to_nanoseconds(self.settings.pipeline_latency_s)
         due_ns = self._plan_grid.stamp_ns(self._plan_grid.index_at(made_ns))
         return due_ns > 0 if self._plan is None else self._plan.stamp_ns < due_ns
+
+    def waits_for_sent(self, stamp_ns: int) -> bool:
+        """Whether, in lock-step, the tick of ``stamp_ns`` must wait for word of what became of the last command."""
+        return not self._order.jumps_back(stamp_ns) and self._sent.lacks_word(stamp_ns, self._grid)
 
     def waits_for_slip(self, stamp_ns: int) -> bool:
         """Whether, in lock-step, the tick of ``stamp_ns`` must wait for the slip estimate of the same instant."""

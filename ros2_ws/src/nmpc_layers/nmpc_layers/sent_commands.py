@@ -5,7 +5,16 @@ from bisect import insort
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from tracked_types import Pose2, Twist2, VelocityCommand, clock_set_back, seconds_between, to_nanoseconds, wrap_angle
+from tracked_types import (
+    PeriodGrid,
+    Pose2,
+    Twist2,
+    VelocityCommand,
+    clock_set_back,
+    seconds_between,
+    to_nanoseconds,
+    wrap_angle,
+)
 
 MEMORY_S = 2.0
 STANDSTILL = Twist2(0.0, 0.0)
@@ -23,6 +32,18 @@ class SentCommands:
         self._delay_ns = to_nanoseconds(transport_delay_s)
         self._stamps: list[int] = []
         self._twists: dict[int, Twist2] = {}
+        self._confirmed_ns: int | None = None
+
+    def confirm(self, command: VelocityCommand) -> None:
+        """Record the arbiter's word of what was sent."""
+        self.add(command)
+        self._confirmed_ns = command.stamp_ns
+
+    def lacks_word(self, stamp_ns: int, control: PeriodGrid) -> bool:
+        """Whether commands have begun, and the word on the last control instant before ``stamp_ns`` is missing."""
+        if not self._stamps:
+            return False
+        return self._confirmed_ns is None or self._confirmed_ns < control.stamp_ns(control.index_at(stamp_ns - 1))
 
     def add(self, command: VelocityCommand) -> None:
         """Record a command; one of an equal stamp replaces it, one that is not finite is ignored."""
@@ -42,6 +63,7 @@ class SentCommands:
         """Drop all commands."""
         self._stamps.clear()
         self._twists.clear()
+        self._confirmed_ns = None
 
     def latest_before(self, stamp_ns: int) -> Twist2:
         """The newest command with a stamp before ``stamp_ns``; standstill if there is none."""

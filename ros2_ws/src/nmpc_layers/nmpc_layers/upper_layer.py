@@ -80,7 +80,14 @@ class UpperLayer:
 
     def set_sent(self, command: VelocityCommand) -> None:
         """A command as it went to the base."""
-        self._sent.add(command)
+        self._sent.confirm(command)
+
+    def waits_for_sent(self, stamp_ns: int) -> bool:
+        """Whether, in lock-step, a plan at ``stamp_ns`` must wait for word of what became of the last command."""
+        if self._order.latest_ns is None or self._order.jumps_back(stamp_ns):
+            return False
+        plans = self._plan_grid.crossed(self._order.latest_ns, stamp_ns)
+        return bool(plans) and self._sent.lacks_word(stamp_ns, self._control_grid)
 
     def update(self, odometry: Odometry) -> UpperOutput | None:
         """React to one odometry (planar, in the frame of the reference); None if nothing is due at its stamp.

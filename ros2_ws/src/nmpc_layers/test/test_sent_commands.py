@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nmpc_layers.sent_commands import GroundModel, SentCommands, predict
-from tracked_types import Pose2, Twist2, VelocityCommand, to_nanoseconds
+from tracked_types import PeriodGrid, Pose2, Twist2, VelocityCommand, to_nanoseconds
 
 
 def command(time_s, speed=0.0):
@@ -27,6 +27,19 @@ def test_commands_act_a_transport_delay_after_their_stamp():
         (pytest.approx(0.033), 0.1),
         (pytest.approx(0.007), 0.2),
     ]
+
+
+def test_word_is_lacking_until_that_on_the_last_control_instant_has_come():
+    control, sent = PeriodGrid(30), SentCommands(0.04)
+    before, now = command(1.0 - 1.0 / 30.0, 0.1), to_nanoseconds(1.0)
+    assert not sent.lacks_word(now, control), "commands have not begun"
+    sent.add(before)
+    assert sent.lacks_word(now, control)
+    sent.confirm(command(1.0 - 2.0 / 30.0, 0.1))
+    assert sent.lacks_word(now, control)
+    sent.confirm(before)
+    assert not sent.lacks_word(now, control)
+    assert sent.lacks_word(now + 1, control)
 
 
 def test_answers_to_the_same_odometry_are_not_foreseen():

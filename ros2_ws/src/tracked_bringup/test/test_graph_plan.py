@@ -49,7 +49,7 @@ def test_nodes_can_be_left_out() -> None:
 def test_lock_step_reaches_everyone_who_must_wait() -> None:
     locked, paced = plan(), plan("compare", "double", "time:=paced")
     assert parameters(locked, "sim_bridge")["time_mode"] == "lock_step"
-    for node in ("lower_nmpc", "command_arbiter"):
+    for node in ("upper_nmpc", "lower_nmpc", "command_arbiter"):
         assert parameters(locked, node)["lock_step"] is True
         assert parameters(paced, node)["lock_step"] is False
 

@@ -121,7 +121,7 @@ def plan_graph(
         {name: {**common, **table.nodes[name].parameters} for name in names},
         _GRAPH_ONLY if "sim_bridge" in names else {},
         _first_command(scenario, variant) if "sim_bridge" in names else {},
-        {"command_arbiter": {"lock_step": scenario.time == "lock_step"}},
+        {node: {"lock_step": scenario.time == "lock_step"} for node in ("command_arbiter", "upper_nmpc")},
         node_parameters(scenario, variant),
         extra or {},
     ]

@@ -1,7 +1,6 @@
 """Node lower_nmpc: follows the upper layer's plan at 30 Hz and makes good the slip."""
 
 import sys
-from collections import deque
 from functools import partial
 
 from geometry_msgs.msg import TwistStamped
@@ -11,6 +10,7 @@ from tracked_interfaces.msg import SolverStatus as SolverStatusMessage
 from tracked_interfaces.msg import Trajectory as TrajectoryMessage
 
 from nmpc_layers import LowerLayer, LowerSettings
+from nmpc_layers.nodes.odometry_queue import OdometryQueue
 from nmpc_layers.nodes.status_report import StatusReport
 from node_kit import Parameter, ParameterTable, StackNode, qos, run
 from node_kit.conversions import (
@@ -23,9 +23,7 @@ from node_kit.conversions import (
     trajectory_to_message,
 )
 from tracked_description import ROBOT_FILE, load_robot
-from tracked_types import Odometry, Slip, Trajectory
-
-QUEUE = 120  # odometry kept while waiting in lock-step: far more than the simulator can run ahead once locked
+from tracked_types import Odometry, Slip, Trajectory, VelocityCommand
 
 PARAMETERS = ParameterTable.from_settings(
     LowerSettings,
@@ -33,7 +31,7 @@ PARAMETERS = ParameterTable.from_settings(
         Parameter(
             "lock_step",
             False,
-            "withhold each command until the plan and the slip estimate that are due at its stamp have arrived",
+            "withhold each command until the plan, the slip estimate and the word on the last command have arrived",
         ),
         Parameter(*ROBOT_FILE),
     ),
@@ -51,7 +49,7 @@ class LowerNmpcNode(StackNode):
         robot = load_robot(self.value("robot_file"))
         self.layer = LowerLayer(LowerSettings.from_robot(robot, **self.tuning(LowerSettings)))
         self.lock_step = self.value("lock_step")
-        self.waiting: deque[Odometry] = deque(maxlen=QUEUE)
+        self.odometry = OdometryQueue(self.must_wait, self.tick)
         stamped = partial(command_to_message, frame_id=self.frame(robot.frames.base_footprint))
         self.command = self.publish_typed(TwistStamped, "cmd_vel_nav", stamped, qos.COMMAND)
         self.prediction = self.publish_typed(
@@ -63,34 +61,30 @@ class LowerNmpcNode(StackNode):
             TrajectoryMessage, "upper_nmpc/trajectory", trajectory_from_message, self.on_plan, qos.STATE
         )
         self.subscribe_typed(SlipMessage, "slip", slip_from_message, self.on_slip, qos.STATE)
-        self.subscribe_typed(TwistStamped, "cmd_vel", command_from_message, self.layer.set_sent, qos.COMMAND)
-        self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.on_odometry, qos.STATE)
-
-    def on_odometry(self, odometry: Odometry) -> None:
-        """One odometry in, and every tick that it or an earlier one makes possible."""
-        self.waiting.append(odometry)
-        self.work_off()
+        self.subscribe_typed(TwistStamped, "cmd_vel", command_from_message, self.on_sent, qos.COMMAND)
+        self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.odometry.add, qos.STATE)
 
     def on_plan(self, plan: Trajectory) -> None:
         """The upper layer's trajectory; in lock-step a tick may have waited for it."""
         self.layer.set_plan(plan)
-        self.work_off()
+        self.odometry.work_off()
 
     def on_slip(self, slip: Slip) -> None:
         """The slip estimate; in lock-step a tick may have waited for it."""
         self.layer.set_slip(slip)
-        self.work_off()
+        self.odometry.work_off()
 
-    def work_off(self) -> None:
-        """Tick for the waiting odometry, as far as lock-step permits."""
-        # Time that runs on although no command came is not locked: there is nothing to wait for.
-        overdue = len(self.waiting) == QUEUE
-        while self.waiting and (overdue or not self.must_wait(self.waiting[0].stamp_ns)):
-            self.tick(self.waiting.popleft())
+    def on_sent(self, command: VelocityCommand) -> None:
+        """Word of what was sent; in lock-step a tick may have waited for it."""
+        self.layer.set_sent(command)
+        self.odometry.work_off()
 
     def must_wait(self, stamp_ns: int) -> bool:
         """Whether the tick of a stamp lacks what lock-step promises it."""
-        return self.lock_step and (self.layer.waits_for_plan(stamp_ns) or self.layer.waits_for_slip(stamp_ns))
+        layer = self.layer
+        return self.lock_step and (
+            layer.waits_for_plan(stamp_ns) or layer.waits_for_slip(stamp_ns) or layer.waits_for_sent(stamp_ns)
+        )
 
     def tick(self, odometry: Odometry) -> None:
         """Publish what one odometry brings about."""

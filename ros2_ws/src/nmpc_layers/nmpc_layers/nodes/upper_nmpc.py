@@ -9,6 +9,7 @@ from tracked_interfaces.msg import SolverStatus as SolverStatusMessage
 from tracked_interfaces.msg import Trajectory as TrajectoryMessage
 
 from nmpc_layers import UpperLayer, UpperSettings
+from nmpc_layers.nodes.odometry_queue import OdometryQueue
 from nmpc_layers.nodes.status_report import StatusReport
 from node_kit import Parameter, ParameterTable, StackNode, qos, run
 from node_kit.conversions import (
@@ -20,9 +21,15 @@ from node_kit.conversions import (
     trajectory_to_message,
 )
 from tracked_description import ROBOT_FILE, load_robot
-from tracked_types import Odometry
+from tracked_types import Odometry, VelocityCommand
 
-PARAMETERS = ParameterTable.from_settings(UpperSettings, extra=(Parameter(*ROBOT_FILE),))
+PARAMETERS = ParameterTable.from_settings(
+    UpperSettings,
+    extra=(
+        Parameter("lock_step", False, "withhold each plan until the word on the last command has arrived"),
+        Parameter(*ROBOT_FILE),
+    ),
+)
 
 
 class UpperNmpcNode(StackNode):
@@ -35,6 +42,8 @@ class UpperNmpcNode(StackNode):
         super().__init__()
         robot = load_robot(self.value("robot_file"))
         self.layer = UpperLayer(UpperSettings.from_robot(robot, **self.tuning(UpperSettings)))
+        self.lock_step = self.value("lock_step")
+        self.odometry = OdometryQueue(self.must_wait, self.tick)
         self.trajectory = self.publish_typed(
             TrajectoryMessage, "upper_nmpc/trajectory", trajectory_to_message, qos.STATE
         )
@@ -47,11 +56,20 @@ class UpperNmpcNode(StackNode):
         self.subscribe_typed(
             TrajectoryMessage, "reference_trajectory", trajectory_from_message, self.layer.set_reference, qos.STATE
         )
-        self.subscribe_typed(TwistStamped, "cmd_vel", command_from_message, self.layer.set_sent, qos.COMMAND)
-        self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.on_odometry, qos.STATE)
+        self.subscribe_typed(TwistStamped, "cmd_vel", command_from_message, self.on_sent, qos.COMMAND)
+        self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.odometry.add, qos.STATE)
 
-    def on_odometry(self, odometry: Odometry) -> None:
-        """One odometry in; what is due at its stamp out."""
+    def on_sent(self, command: VelocityCommand) -> None:
+        """Word of what was sent; in lock-step a plan may have waited for it."""
+        self.layer.set_sent(command)
+        self.odometry.work_off()
+
+    def must_wait(self, stamp_ns: int) -> bool:
+        """Whether the tick of a stamp lacks what lock-step promises it."""
+        return self.lock_step and self.layer.waits_for_sent(stamp_ns)
+
+    def tick(self, odometry: Odometry) -> None:
+        """Publish what one odometry brings about."""
         output = self.layer.update(odometry)
         if output is None:
             return
