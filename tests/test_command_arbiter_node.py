@@ -3,6 +3,7 @@
 import signal
 
 import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -101,6 +102,23 @@ def test_teleop_goes_before_navigation_and_nonsense_does_not_go_at_all(probe, st
     arbiter.command("nav", 4, 0.3)
     assert stamp_ns(arbiter.answer("teleop", 5, 0.0)) == CONTROL.stamp_ns(5)
     assert len(arbiter.sent) == count + 1
+
+
+def test_a_refused_command_is_reported_with_its_reason_and_sender(probe, start_node):
+    diagnostics = probe.collect(DiagnosticArray, "diagnostics")
+    arbiter = Arbiter(probe, start_node, "--ros-args", "-p", "lock_step:=true")
+    arbiter.command("teleop", 4, 50.0)
+    words = "cmd_vel_teleop (beyond 1.5 times a limit, from /test_probe)"
+    probe.wait_until(
+        lambda: any(
+            status.level != status.OK and words in status.message
+            for message in diagnostics
+            for status in message.status
+            if status.name == "command_arbiter: inputs"
+        ),
+        what="a warning",
+    )
+    probe.wait_until(lambda: "rejected cmd_vel_teleop from /test_probe" in arbiter.process.output, what="a log line")
 
 
 def test_emergency_stop_latches_until_released_by_service(probe, start_node):

@@ -108,3 +108,5 @@ def _record(recorder: RunRecorder, reaction: Reaction) -> None:
     for channel, value in named.items():
         if value is not None:
             recorder.add(channel, value)
+    if reaction.refused:
+        recorder.add_event(reaction.estimate.odometry.stamp_ns, "command_arbiter", f"refused: {reaction.refused}")

@@ -10,7 +10,7 @@ from tracked_lab.tuning import check_known, tuning_of
 from tracked_localization import Estimate, OdometryFilter, OdometryFilterSettings, SlipSettings
 from tracked_navigation import PlayerOutput, PlayerSettings, ReferenceSettings, TrajectoryPlayer, make_reference
 from tracked_navigation.shape_settings import ShapeSettings
-from tracked_safety import ArbiterSettings, CommandArbiter
+from tracked_safety import ArbiterSettings, CommandArbiter, CommandRefused
 from tracked_types import VelocityCommand
 
 NodeParameters = Mapping[str, Mapping[str, Any]]
@@ -21,7 +21,8 @@ NodeParameters = Mapping[str, Mapping[str, Any]]
 class Reaction:
     """What the stack did with one estimate.
 
-    asked: what a control layer wants; sent: what the arbiter let through to the base.
+    asked: what a control layer wants; sent: what the arbiter let through to the base; refused: why it did not
+    take what was asked, or "".
     """
 
     estimate: Estimate
@@ -30,6 +31,7 @@ class Reaction:
     lower: LowerOutput | None
     asked: VelocityCommand | None
     sent: VelocityCommand | None
+    refused: str = ""
 
 
 class Stack:
@@ -68,12 +70,17 @@ class Stack:
         planned = self.upper.update(odometry)
         steered = self._steer(estimate, planned)
         asked = steered.command if steered else planned.command if planned else None
-        sent = self.arbiter.offer("nav", asked) if asked is not None else stopped
+        sent, refused = stopped, ""
+        if asked is not None:
+            try:
+                sent = self.arbiter.offer("nav", asked)
+            except CommandRefused as refusal:
+                refused = refusal.reason
         if sent is not None:
             self.upper.set_sent(sent)
             if self.lower is not None:
                 self.lower.set_sent(sent)
-        return Reaction(estimate, played, planned, steered, asked, sent)
+        return Reaction(estimate, played, planned, steered, asked, sent, refused)
 
     def _steer(self, estimate: Estimate, planned: UpperOutput | None) -> LowerOutput | None:
         if self.lower is None:

@@ -11,6 +11,14 @@ from tracked_types import PeriodGrid, Twist2, VelocityCommand, clock_set_back, s
 _REST = Twist2(0.0, 0.0)
 
 
+class CommandRefused(ValueError):
+    """A command must not pass, not even limited; ``reason`` is its class, for counting."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason)
+        self.reason = reason
+
+
 class Mode(enum.Enum):
     """What the arbiter does."""
 
@@ -46,7 +54,6 @@ class CommandArbiter:
 
     def __init__(self, settings: ArbiterSettings) -> None:
         self.settings = settings
-        self.refusals: Counter[tuple[str, str]] = Counter()  # (source, reason)
         self.cut_off: Counter[str] = Counter()  # commands per source that limits changed
         self._grid = PeriodGrid(settings.rate_hz)
         self._timeout_ns = to_nanoseconds(settings.timeout_s)
@@ -76,14 +83,14 @@ class CommandArbiter:
 
         Raises
         ------
+        CommandRefused: if the command is impossible, or comes out of time; it does not keep its source alive.
         ValueError: if the source is unknown.
         """
         if source not in SOURCES:
             raise ValueError(f"unknown source {source!r}; known are {', '.join(SOURCES)}")
         refusal = self._refusal(source, command)
-        if refusal:
-            self.refusals[source, refusal] += 1
-            return None
+        if refusal is not None:
+            raise CommandRefused(refusal)
         self._heard[source] = command.stamp_ns
         if self._ticked_ns is None:
             self._now_ns = command.stamp_ns

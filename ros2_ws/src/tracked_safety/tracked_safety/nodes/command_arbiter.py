@@ -11,7 +11,7 @@ from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 from tracked_interfaces.msg import SafetyState
 
-from node_kit import Level, Parameter, ParameterTable, StackNode, qos, run
+from node_kit import Level, Parameter, ParameterTable, RejectedMessage, StackNode, qos, run
 from node_kit.conversions import (
     bool_from_message,
     command_from_message,
@@ -20,7 +20,7 @@ from node_kit.conversions import (
     twist_to_message,
 )
 from tracked_description import ROBOT_FILE, load_robot
-from tracked_safety import SOURCES, ArbiterSettings, CommandArbiter, Mode
+from tracked_safety import SOURCES, ArbiterSettings, CommandArbiter, CommandRefused, Mode
 from tracked_safety.nodes.state_message import state_to_message
 from tracked_types import Odometry, VelocityCommand
 
@@ -71,8 +71,11 @@ class CommandArbiterNode(StackNode):
         self.every_wall(1.0, partial(self._report, force=True))
 
     def on_command(self, source: str, command: VelocityCommand) -> None:
-        """One command in; the same callback sends what may pass."""
-        sent = self.arbiter.offer(source, command)
+        """One command in; the same callback sends what may pass. node_kit counts refusals with their sender."""
+        try:
+            sent = self.arbiter.offer(source, command)
+        except CommandRefused as refusal:
+            raise RejectedMessage(refusal.reason) from refusal
         if sent is not None:
             self._heard_s = time.monotonic()
         self._send(sent)
@@ -118,8 +121,7 @@ class CommandArbiterNode(StackNode):
             return
         self._published_mode = state.mode
         self.state.publish(state)
-        values = {f"refused: {source}, {reason}": n for (source, reason), n in self.arbiter.refusals.items()}
-        values |= {f"limited: {source}": count for source, count in self.arbiter.cut_off.items()}
+        values = {f"limited: {source}": count for source, count in self.arbiter.cut_off.items()}
         stopped = state.mode in (Mode.STOPPING, Mode.STOPPED, Mode.EMERGENCY_STOP)
         message = f"{state.mode.value}: {state.reason}" if state.reason else state.mode.value
         self.diagnostics.report("commands", Level.WARN if stopped else Level.OK, message, values)
