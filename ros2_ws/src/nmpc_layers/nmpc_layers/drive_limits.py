@@ -6,39 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmpc_layers.solver.track_solver import TrackLimits
-from tracked_description import Robot
+from tracked_description import RobotLimits
 from tracked_types import Twist2
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DriveLimits:
-    """Limits of the commands (5.2.5) and of their change, all given by the robot."""
-
-    speed_min_mps: float
-    speed_max_mps: float
-    yaw_rate_max_radps: float
-    acceleration_mps2: float
-    braking_mps2: float
-    yaw_acceleration_radps2: float
-    track_speed_mps: float
-    half_gauge_m: float
-
-    @classmethod
-    def from_robot(cls, robot: Robot) -> "DriveLimits":
-        """The limits of a robot file."""
-        limits = robot.limits
-        return cls(
-            speed_min_mps=limits.speed_min_mps,
-            speed_max_mps=limits.speed_max_mps,
-            yaw_rate_max_radps=limits.yaw_rate_max_radps,
-            acceleration_mps2=limits.acceleration_mps2,
-            braking_mps2=limits.braking_mps2,
-            yaw_acceleration_radps2=limits.yaw_acceleration_radps2,
-            track_speed_mps=robot.tracks.speed_limit_mps,
-            half_gauge_m=robot.tracks.gauge_m / 2.0,
-        )
+class DriveLimits(RobotLimits):
+    """Limits of the commands (5.2.5) and of their change, as the solvers want them."""
 
     @property
     def low(self) -> Array:

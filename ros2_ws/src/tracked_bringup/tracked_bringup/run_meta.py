@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from tracked_description import load_robot
 from tracked_report.describe_run import describe_run
 from tracked_report.node_parameters import node_parameters
-from tracked_report.run_record import CommandLimits, RunMeta
+from tracked_report.run_record import RunMeta
 from tracked_report.scenario import Scenario
 from tracked_types import Outline
 
@@ -20,13 +20,7 @@ def run_meta(scenario: Scenario, variant: str, *, simulated: bool) -> RunMeta:
     """
     robot_file = node_parameters(scenario, variant)["sim_bridge"].get("robot_file", "")
     robot = load_robot(str(robot_file))
-    limits = CommandLimits(
-        speed_min_mps=robot.limits.speed_min_mps,
-        speed_max_mps=robot.limits.speed_max_mps,
-        yaw_rate_max_radps=robot.limits.yaw_rate_max_radps,
-    )
-    scene = _scene(scenario.world) if simulated else ()
-    return describe_run(scenario, variant, limits=limits, suspension=robot.suspension.kind, scene=scene)
+    return describe_run(scenario, variant, robot, _scene(scenario.world) if simulated else ())
 
 
 def _scene(world: str) -> Iterable[Outline]:

@@ -15,9 +15,6 @@ Vector = tuple[Finite, Finite, Finite]
 Rate = Annotated[int, Field(gt=0, le=10_000)]
 FrameName = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
 
-ROBOT_FILE = ("robot_file", "", "file with the robot's numbers; empty: the packaged robot.yaml")
-"""Name, default and description of the parameter by which every node that needs them finds them."""
-
 
 class Tracks(CheckedModel):
     """Track pair: geometry, encoder and drive of one belt."""

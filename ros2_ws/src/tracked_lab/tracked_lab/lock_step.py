@@ -13,7 +13,7 @@ from tracked_lab.simulation import make_simulator
 from tracked_lab.stack import Reaction, Stack
 from tracked_report.describe_run import describe_run
 from tracked_report.node_parameters import node_parameters
-from tracked_report.run_record import CommandLimits, RunRecord
+from tracked_report.run_record import RunRecord
 from tracked_report.run_recorder import RunRecorder
 from tracked_report.scenario import Fault as PlannedFault
 from tracked_report.scenario import Scenario
@@ -50,13 +50,7 @@ def drive(
                 progress(now_s)
     finally:
         simulator.close()
-    limits = CommandLimits(
-        speed_min_mps=robot.limits.speed_min_mps,
-        speed_max_mps=robot.limits.speed_max_mps,
-        yaw_rate_max_radps=robot.limits.yaw_rate_max_radps,
-    )
-    scene = floor_plan(load_world(scenario.world))
-    meta = describe_run(scenario, variant, limits=limits, suspension=robot.suspension.kind, scene=scene)
+    meta = describe_run(scenario, variant, robot, floor_plan(load_world(scenario.world)))
     start = simulator.start
     odom_in_world = (start.x_m, start.y_m, start.yaw_rad)
     return recorder.record(meta.model_copy(update={"time": "lock_step", "odom_in_world": odom_in_world}))

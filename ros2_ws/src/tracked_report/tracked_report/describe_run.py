@@ -3,18 +3,17 @@
 from collections.abc import Iterable
 from datetime import UTC, datetime
 
+from tracked_description import Robot
 from tracked_report.machine import describe_machine, git_commit, package_versions
 from tracked_report.run_record import CommandLimits, RunMeta
 from tracked_report.scenario import Scenario
 from tracked_types import Outline
 
 
-def describe_run(
-    scenario: Scenario, variant: str, *, limits: CommandLimits, suspension: str, scene: Iterable[Outline] = ()
-) -> RunMeta:
+def describe_run(scenario: Scenario, variant: str, robot: Robot, scene: Iterable[Outline] = ()) -> RunMeta:
     """Everything known before the run: scenario, machine, versions, commit, time of day.
 
-    ``suspension`` is the robot's own, which holds where the scenario says nothing. What only the run can tell
+    The robot's own suspension holds where the scenario says nothing. What only the run can tell
     (``odom_in_world``, ``wall_duration_s``) is for the caller to add with ``model_copy(update=...)``.
 
     Raises
@@ -31,9 +30,13 @@ def describe_run(
         commit=git_commit(),
         world=scenario.world,
         time=scenario.time,
-        suspension=scenario.suspension_of(variant) or suspension,
+        suspension=scenario.suspension_of(variant) or robot.suspension.kind,
         pipeline_latency_s=scenario.pipeline_latency_s,
-        limits=limits,
+        limits=CommandLimits(
+            speed_min_mps=robot.limits.speed_min_mps,
+            speed_max_mps=robot.limits.speed_max_mps,
+            yaw_rate_max_radps=robot.limits.yaw_rate_max_radps,
+        ),
         scene=tuple(scene),
         machine=describe_machine(),
         versions=package_versions(),

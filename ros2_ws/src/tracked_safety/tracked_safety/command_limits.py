@@ -3,37 +3,13 @@
 import math
 from dataclasses import dataclass
 
-from tracked_description import Robot
+from tracked_description import RobotLimits
 from tracked_types import Twist2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CommandLimits:
-    """Box of (5.2.5), the track speeds |v +- d w| it leaves out (erratum 5.2.5), and rates of change."""
-
-    speed_min_mps: float
-    speed_max_mps: float
-    yaw_rate_max_radps: float
-    track_speed_mps: float
-    half_gauge_m: float
-    acceleration_mps2: float
-    braking_mps2: float
-    yaw_acceleration_radps2: float
-
-    @classmethod
-    def from_robot(cls, robot: Robot) -> "CommandLimits":
-        """The limits of robot.yaml."""
-        limits = robot.limits
-        return cls(
-            speed_min_mps=limits.speed_min_mps,
-            speed_max_mps=limits.speed_max_mps,
-            yaw_rate_max_radps=limits.yaw_rate_max_radps,
-            track_speed_mps=robot.tracks.speed_limit_mps,
-            half_gauge_m=robot.tracks.gauge_m / 2.0,
-            acceleration_mps2=limits.acceleration_mps2,
-            braking_mps2=limits.braking_mps2,
-            yaw_acceleration_radps2=limits.yaw_acceleration_radps2,
-        )
+class CommandLimits(RobotLimits):
+    """Limits that a command is judged by and brought within."""
 
     def excess(self, twist: Twist2) -> float:
         """How many times its limit the worst component of a finite twist asks; at most 1 within the box."""
