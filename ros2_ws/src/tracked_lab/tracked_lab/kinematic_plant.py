@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tracked_description import Robot
+from tracked_localization.slip import SlipEstimator, SlipSettings
 from tracked_types import (
     Odometry,
     PeriodGrid,
@@ -27,7 +28,6 @@ from tracked_types import (
 
 SUBSTEPS = 8  # of the period of the odometry
 TERRAIN_CORRELATION_S = 0.5
-STANDSTILL_MPS = 0.03  # sum of both belts' speeds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,6 +94,7 @@ class KinematicPlant:
         self.ground = ground or drawn
         self._generator = generator
         self._robot = robot
+        self._slip = SlipEstimator(SlipSettings.from_robot(robot))
         self._grid = PeriodGrid(robot.odometry.rate_hz)
         self._index = 0
         self._delay_ns = to_nanoseconds(robot.control.transport_delay_s)
@@ -178,10 +179,12 @@ class KinematicPlant:
             measured.append((counted - self._counted[side]) / period_s)
             self._counted[side] = counted
         left, right = measured
-        standing = abs(left) + abs(right) < STANDSTILL_MPS
-        samples = robot.imu.rate_hz / robot.odometry.rate_hz
-        noise = robot.imu.gyro_noise_radps / math.sqrt(samples) * float(self._generator.standard_normal())
-        yaw_rate = 0.0 if standing else mean_yaw_rate + self.ground.gyro_bias_radps + noise
+        deviation = robot.imu.gyro_noise_radps / math.sqrt(robot.imu.rate_hz / robot.odometry.rate_hz)
+        noise = deviation * float(self._generator.standard_normal())
+        yaw_rate = mean_yaw_rate + self.ground.gyro_bias_radps + noise
+        slip = self._slip.update(self.stamp_ns, left, right, yaw_rate, deviation**2, period_s)
+        if not slip.known:  # at rest
+            yaw_rate = 0.0
         speed = 0.5 * (left + right)
         turn = period_s * yaw_rate
         middle = Pose2(self.estimate.x_m, self.estimate.y_m, self.estimate.yaw_rad + 0.5 * turn)
@@ -196,12 +199,6 @@ class KinematicPlant:
             np.eye(3) * 1e-4,
             np.eye(2) * 1e-4,
         )
-        belt_yaw_rate = (right - left) / gauge
-        slip_yaw, slip_speed = (0.0, 0.0) if standing else (yaw_rate - belt_yaw_rate, 0.0)
-        if not standing:
-            share = (abs(right) - abs(left)) / (abs(right) + abs(left))
-            slip_speed = 0.5 * gauge * slip_yaw * share
-        slip = Slip(self.stamp_ns, slip_speed, slip_yaw, 1e-4, 4e-4, known=not standing)
         true_slip = Twist2(
             self._twist.speed_mps - 0.5 * (self._belts[0] + self._belts[1]),
             self._twist.yaw_rate_radps - (self._belts[1] - self._belts[0]) / gauge,
