@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from sim_bridge.physics_settings import PhysicsSettings
+from sim_bridge.scene_settings import SceneSettings
 from sim_bridge.simulator import Simulator, SimulatorSettings
-from sim_bridge.world import load_world
 from tracked_description import Robot
 from tracked_lab.tuning import check_known, tuning_of
-from tracked_types import Pose2
 
-_NOT_SETTINGS = ("world", "start", "start_pose", "seed", "time_mode")
+_LISTED = ("start_pose",)  # of SceneSettings, but a list is no tunable field
+_MEANINGLESS = ("time_mode",)
 
 
 def make_simulator(robot: Robot, parameters: Mapping[str, Any]) -> Simulator:
@@ -21,9 +21,10 @@ def make_simulator(robot: Robot, parameters: Mapping[str, Any]) -> Simulator:
     UnknownParameterError: if a parameter is not the simulator's.
     CheckedFileError, ValueError: if the world, its start or a value cannot be used.
     """
-    check_known("sim_bridge", parameters, (PhysicsSettings, SimulatorSettings), *_NOT_SETTINGS)
-    world = load_world(parameters.get("world", "flat"))
-    name = parameters.get("start", "default")
+    check_known("sim_bridge", parameters, (PhysicsSettings, SimulatorSettings, SceneSettings), *_LISTED, *_MEANINGLESS)
+    listed = {name: parameters[name] for name in _LISTED if name in parameters}
+    scene = SceneSettings(**listed, **tuning_of(SceneSettings, parameters))
+    world, start = scene.load()
     return Simulator(
         robot,
         world,
@@ -31,6 +32,6 @@ def make_simulator(robot: Robot, parameters: Mapping[str, Any]) -> Simulator:
             physics=PhysicsSettings(**tuning_of(PhysicsSettings, parameters)),
             **tuning_of(SimulatorSettings, parameters),
         ),
-        seed=parameters.get("seed", 0),
-        start=Pose2(*parameters["start_pose"]) if name == "pose" else world.start(name),
+        seed=scene.seed,
+        start=start,
     )

@@ -1,11 +1,10 @@
 """Node of the simulated robot: its topics, its services and the pace of simulated time."""
 
-import math
 import time
 
 from geometry_msgs.msg import Twist, TwistStamped
 
-from node_kit import BadParameterError, Level, Parameter, ParameterTable, RejectedMessage, StackNode, qos, run
+from node_kit import Level, Parameter, ParameterTable, RejectedMessage, StackNode, qos, run
 from node_kit.conversions import command_from_message, twist_from_message
 from sim_bridge.command_intake import CommandRefused
 from sim_bridge.nodes.sensor_publishers import SensorPublishers
@@ -13,24 +12,22 @@ from sim_bridge.nodes.simulation_services import SimulationServices
 from sim_bridge.pacing import LockStalled, Pacer, PacingSettings, RealTimeMeter
 from sim_bridge.physics_settings import PhysicsSettings
 from sim_bridge.run_control import RunControl
+from sim_bridge.scene_settings import START_POSE, SceneSettings
 from sim_bridge.simulator import Simulator, SimulatorSettings
 from sim_bridge.vehicle import PhysicsDivergedError
-from sim_bridge.world import World, load_world
 from sim_bridge.world_control import WorldControl
 from tracked_description import ROBOT_FILE, Robot, load_robot
-from tracked_types import Pose2, Twist2, VelocityCommand
+from tracked_types import Twist2, VelocityCommand
 
 PARAMETERS = ParameterTable.from_settings(
     PhysicsSettings,
     SimulatorSettings,
     PacingSettings,
+    SceneSettings,
     extra=(
         Parameter(*ROBOT_FILE),
-        Parameter("world", "flat", "Name of a packaged world, or the path of a world file."),
-        Parameter("start", "default", "Which of the world's start poses the robot stands at; pose: at start_pose."),
-        Parameter("start_pose", (0.0, 0.0, 0.0), "x (m), y (m) and yaw (rad) in the world, for start: pose."),
+        Parameter(*START_POSE),
         Parameter("start_paused", False, "Whether time stands still until set_simulation_state lets it run."),
-        Parameter("seed", 0, "Seed of all sensor noise.", low=0),
         Parameter("stamped_commands", True, "Whether cmd_vel is a TwistStamped, or a Twist that acts when it comes."),
     ),
 )
@@ -46,14 +43,16 @@ class SimBridgeNode(StackNode):
 
     def __init__(self) -> None:
         super().__init__()
-        robot, world = self.prefixed(load_robot(self.value("robot_file"))), load_world(self.value("world"))
+        robot = self.prefixed(load_robot(self.value("robot_file")))
+        scene = SceneSettings(start_pose=self.value("start_pose"), **self.tuning(SceneSettings))
+        world, start = scene.load()
         physics = PhysicsSettings(**self.tuning(PhysicsSettings))
         self.simulator = Simulator(
             robot,
             world,
             SimulatorSettings(physics=physics, **self.tuning(SimulatorSettings)),
-            seed=self.value("seed"),
-            start=self._start_pose(world),
+            seed=scene.seed,
+            start=start,
         )
         # Before there are endpoints: who sees this node may expect its time to run.
         self.simulator.warm_up()
@@ -67,14 +66,6 @@ class SimBridgeNode(StackNode):
         else:
             self.subscribe_typed(Twist, "cmd_vel", twist_from_message, self.on_twist, qos.COMMAND)
         self.diagnostics.add_source(self.report)
-
-    def _start_pose(self, world: World) -> Pose2:
-        name, numbers = self.value("start"), self.value("start_pose")
-        if name != "pose":
-            return world.start(name)
-        if len(numbers) != 3 or not all(math.isfinite(number) for number in numbers):
-            raise BadParameterError(f"parameter start_pose must be three finite numbers, got {numbers!r}")
-        return Pose2(*numbers)
 
     def prefixed(self, robot: Robot) -> Robot:
         """The robot with the prefix before its frame names."""
