@@ -110,6 +110,7 @@ def test_lower_layer_in_lock_step_waits_for_slip_and_plan(probe, start_node):
     due = next(index for index in indices if index % 12 == 0)
     for index in range(due, due + 7):
         feed(index)
+    probe.wait_until(lambda: stamp_ns(commands[-1]) == GRID.stamp_ns(due + 4), what="the commands before")
     # Due with the odometry six periods later, which has already been sent; it asks for the opposite direction.
     plan.publish(straight(due, speed=-0.3))
     last = GRID.stamp_ns(due + 6)
@@ -138,6 +139,29 @@ def test_malformed_inputs_are_refused_and_told(probe, start_node):
 
     probe.wait_until(told, what="both offenders")
     assert process.is_running
+
+
+def test_a_plan_of_another_robot_is_refused(probe, start_node):
+    _, odom = running(probe, start_node, LOWER, frame_prefix="r1/")
+    plan = probe.publisher(TrajectoryMessage, "upper_nmpc/trajectory")
+    commands = probe.collect(TwistStamped, "cmd_vel_nav", 100)
+    diagnostics = probe.collect(DiagnosticArray, "diagnostics", 100)
+    indices = iter(range(12, 10_000))
+
+    def fed(frame):
+        index = next(indices)
+        for message, publisher in ((straight(index), plan), (odometry(index), odom)):
+            message.header.frame_id = frame
+            publisher.publish(message)
+
+    def told():
+        fed("r2/odom")
+        seen = " ".join(value.key for message in diagnostics for task in message.status for value in task.values)
+        return all(f"{topic}: frame is not r1/odom" in seen for topic in ("odom", "upper_nmpc/trajectory"))
+
+    probe.wait_until(told, what="both refusals")
+    assert not commands
+    probe.wait_until(lambda: fed("r1/odom") or commands, what="a command for a plan of its own")
 
 
 @pytest.mark.parametrize(("node", "number"), [(UPPER, signal.SIGINT), (LOWER, signal.SIGTERM)])

@@ -103,8 +103,8 @@ class LowerLayer:
         return due_ns > 0 if self._plan is None else self._plan.stamp_ns < due_ns
 
     def waits_for_sent(self, stamp_ns: int) -> bool:
-        """Whether, in lock-step, the tick of ``stamp_ns`` must wait for word of what became of the last command."""
-        return not self._order.jumps_back(stamp_ns) and self._sent.lacks_word(stamp_ns, self._grid)
+        """Whether, in lock-step, the tick of ``stamp_ns`` must wait for word of what became of its last command."""
+        return not self._order.jumps_back(stamp_ns) and self._sent.lacks_word_on_newest
 
     def waits_for_slip(self, stamp_ns: int) -> bool:
         """Whether, in lock-step, the tick of ``stamp_ns`` must wait for the slip estimate of the same instant."""

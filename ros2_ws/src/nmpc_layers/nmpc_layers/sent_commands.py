@@ -39,6 +39,11 @@ class SentCommands:
         self.add(command)
         self._confirmed_ns = command.stamp_ns
 
+    @property
+    def lacks_word_on_newest(self) -> bool:
+        """Whether the newest command is no more than a guess yet."""
+        return bool(self._stamps) and (self._confirmed_ns is None or self._confirmed_ns < self._stamps[-1])
+
     def lacks_word(self, stamp_ns: int, control: PeriodGrid) -> bool:
         """Whether commands have begun, and the word on the last control instant before ``stamp_ns`` is missing."""
         if not self._stamps:

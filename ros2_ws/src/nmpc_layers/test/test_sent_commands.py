@@ -34,11 +34,11 @@ def test_word_is_lacking_until_that_on_the_last_control_instant_has_come():
     before, now = command(1.0 - 1.0 / 30.0, 0.1), to_nanoseconds(1.0)
     assert not sent.lacks_word(now, control), "commands have not begun"
     sent.add(before)
-    assert sent.lacks_word(now, control)
+    assert sent.lacks_word(now, control) and sent.lacks_word_on_newest
     sent.confirm(command(1.0 - 2.0 / 30.0, 0.1))
     assert sent.lacks_word(now, control)
     sent.confirm(before)
-    assert not sent.lacks_word(now, control)
+    assert not sent.lacks_word(now, control) and not sent.lacks_word_on_newest
     assert sent.lacks_word(now + 1, control)
 
 
