@@ -1,7 +1,7 @@
 # The stack of a robot on ROS 2 Jazzy from apt: everything but the simulator and the lab.
 #   docker build -f docker/jazzy.Dockerfile -t tracked_stack:jazzy .
-# Proven only against a stand-in for the base image (docker/stand_in.Dockerfile), never against the real one: where this
-# project is developed, no image can be pulled. `ros2 run` and `ros2 launch` come from the real base.
+# Tested against a stand-in for the base image (docker/stand_in.Dockerfile), not against the real one. `ros2 run` and
+# `ros2 launch` come from the real base.
 ARG BASE=ros:jazzy-ros-base
 FROM ${BASE}
 
