@@ -15,6 +15,7 @@ from node_kit.rejection import RejectedMessage
 Value = TypeVar("Value")
 _SENDER_MEMORY_S = 2.0
 _MOST_SENDERS_NAMED = 4
+_UNNAMED = "_NODE_NAME_UNKNOWN_"  # what rmw calls a node whose endpoint is discovered before its name
 
 
 class TypedPublisher:
@@ -97,7 +98,10 @@ class TypedSubscription(Generic[Value]):
         """Names of the topic's publishers; rclpy does not say which of them sent a message."""
         if now_s - self._senders_known_s > _SENDER_MEMORY_S:
             infos = self._node.get_publishers_info_by_topic(self.subscription.topic_name)
-            names = sorted({f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos})
+            named = [info for info in infos if info.node_name != _UNNAMED]
+            names = sorted({f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in named})
+            if len(named) < len(infos):
+                return "a publisher whose name is not known yet"
             if len(names) > _MOST_SENDERS_NAMED:
                 names = [*names[:_MOST_SENDERS_NAMED], f"{len(names) - _MOST_SENDERS_NAMED} others"]
             self._senders = " or ".join(names) or "a publisher that has left"

@@ -50,7 +50,8 @@ class LowerNmpcNode(StackNode):
         self.layer = LowerLayer(LowerSettings.from_robot(robot, **self.tuning(LowerSettings)))
         self.lock_step = self.value("lock_step")
         self.odometry = OdometryQueue(self.must_wait, self.tick)
-        stamped = partial(command_to_message, frame_id=self.frame(robot.frames.base_footprint))
+        odom_frame, base_frame = self.frame(robot.frames.odom), self.frame(robot.frames.base_footprint)
+        stamped = partial(command_to_message, frame_id=base_frame)
         self.command = self.publish_typed(TwistStamped, "cmd_vel_nav", stamped, qos.COMMAND)
         self.prediction = self.publish_typed(
             TrajectoryMessage, "lower_nmpc/trajectory", trajectory_to_message, qos.STATE
@@ -58,11 +59,18 @@ class LowerNmpcNode(StackNode):
         self.status = self.publish_typed(SolverStatusMessage, "lower_nmpc/status", solver_status_to_message, qos.STATE)
         self.report = StatusReport(self, self.layer.solver.interpreter_reason)
         self.subscribe_typed(
-            TrajectoryMessage, "upper_nmpc/trajectory", trajectory_from_message, self.on_plan, qos.STATE
+            TrajectoryMessage,
+            "upper_nmpc/trajectory",
+            trajectory_from_message,
+            self.on_plan,
+            qos.STATE,
+            expected_frame=odom_frame,
         )
-        self.subscribe_typed(SlipMessage, "slip", slip_from_message, self.on_slip, qos.STATE)
+        self.subscribe_typed(SlipMessage, "slip", slip_from_message, self.on_slip, qos.STATE, expected_frame=base_frame)
         self.subscribe_typed(TwistStamped, "cmd_vel", command_from_message, self.on_sent, qos.COMMAND)
-        self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.odometry.add, qos.STATE)
+        self.subscribe_typed(
+            OdometryMessage, "odom", odometry_from_message, self.odometry.add, qos.STATE, expected_frame=odom_frame
+        )
 
     def on_plan(self, plan: Trajectory) -> None:
         """The upper layer's trajectory; in lock-step a tick may have waited for it."""

@@ -53,11 +53,19 @@ class UpperNmpcNode(StackNode):
             stamped = partial(command_to_message, frame_id=self.frame(robot.frames.base_footprint))
             self.command = self.publish_typed(TwistStamped, "cmd_vel_nav", stamped, qos.COMMAND)
         self.report = StatusReport(self, self.layer.solver.interpreter_reason)
+        odom_frame = self.frame(robot.frames.odom)
         self.subscribe_typed(
-            TrajectoryMessage, "reference_trajectory", trajectory_from_message, self.layer.set_reference, qos.STATE
+            TrajectoryMessage,
+            "reference_trajectory",
+            trajectory_from_message,
+            self.layer.set_reference,
+            qos.STATE,
+            expected_frame=odom_frame,
         )
         self.subscribe_typed(TwistStamped, "cmd_vel", command_from_message, self.on_sent, qos.COMMAND)
-        self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.odometry.add, qos.STATE)
+        self.subscribe_typed(
+            OdometryMessage, "odom", odometry_from_message, self.odometry.add, qos.STATE, expected_frame=odom_frame
+        )
 
     def on_sent(self, command: VelocityCommand) -> None:
         """Word of what was sent; in lock-step a plan may have waited for it."""

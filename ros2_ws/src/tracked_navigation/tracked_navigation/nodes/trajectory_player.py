@@ -26,15 +26,23 @@ class TrajectoryPlayerNode(StackNode):
 
     def __init__(self) -> None:
         super().__init__()
+        robot = load_robot(self.value("robot_file"))
         reference = make_reference(
-            load_robot(self.value("robot_file")),
+            robot,
             ReferenceSettings(**self.tuning(ReferenceSettings)),
             ShapeSettings(**self.tuning(ShapeSettings)),
         )
         self.player = TrajectoryPlayer(PlayerSettings(**self.tuning(PlayerSettings)), reference)
         self.reference = self.publish_typed(TrajectoryMessage, "reference_trajectory", trajectory_to_message, qos.STATE)
         self.arrival = self.publish_typed(GoalReachedMessage, "goal_reached", goal_reached_to_message, qos.LATCHED)
-        self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.on_odometry, qos.STATE)
+        self.subscribe_typed(
+            OdometryMessage,
+            "odom",
+            odometry_from_message,
+            self.on_odometry,
+            qos.STATE,
+            expected_frame=self.frame(robot.frames.odom),
+        )
         self._report()
 
     def on_odometry(self, odometry: Odometry) -> None:

@@ -59,8 +59,11 @@ class CommandArbiterNode(StackNode):
             self.subscribe_typed(
                 TwistStamped, f"cmd_vel_{source}", command_from_message, partial(self.on_command, source), qos.COMMAND
             )
+        odom_frame = self.frame(robot.frames.odom)
         self.subscribe_typed(Bool, "e_stop", bool_from_message, self.on_e_stop, qos.LATCHED)
-        self.subscribe_typed(OdometryMessage, "odom", odometry_from_message, self.on_odometry, qos.STATE)
+        self.subscribe_typed(
+            OdometryMessage, "odom", odometry_from_message, self.on_odometry, qos.STATE, expected_frame=odom_frame
+        )
         self.serve(Trigger, "release_e_stop", self.on_release)
         self._timeout_s = self.arbiter.settings.timeout_s
         self._control_period_s = 1.0 / self.arbiter.settings.rate_hz
