@@ -53,8 +53,7 @@ class StackNode(Node):
         def main() -> int:
             return run(EchoNode)
 
-    An exception in a callback is logged with the callback's name, counted on diagnostics and served on;
-    with EXIT_ON_EXCEPTION it stops the process with exit code 1 after `safe_stop`.
+    An exception in a callback is logged with the callback's name, counted on diagnostics and served on.
 
     Raises
     ------
@@ -63,7 +62,6 @@ class StackNode(Node):
 
     NAME: ClassVar[str]
     PARAMETERS: ClassVar[ParameterTable] = ParameterTable()
-    EXIT_ON_EXCEPTION: ClassVar[bool] = False
 
     def __init__(self, **node_options: Any) -> None:
         super().__init__(self.NAME, automatically_declare_parameters_from_overrides=True, **node_options)
@@ -173,11 +171,9 @@ class StackNode(Node):
         """Log and count an exception out of ``name``, as those of callbacks are."""
         self._failures.note(name, error)
 
-    def _on_failure(self, newest: str) -> None:
+    def _on_failure(self, _newest: str) -> None:
         self._failed_s = time.monotonic()
         self._report_failures()
-        if self.EXIT_ON_EXCEPTION:
-            self.request_exit(1, f"stopping: {newest}")
 
     def _report_health(self) -> None:
         self.diagnostics.report("inputs", *self._monitor.summary(time.monotonic()))

@@ -25,11 +25,6 @@ class RejectionLedger:
     newest_reason: str = ""
     newest_sender: str = ""
 
-    @property
-    def total_rejected(self) -> int:
-        """Number of rejected messages."""
-        return self.rejected.total()
-
     def reject(self, reason: str, sender: str) -> int:
         """Count one rejection; returns how often this reason and sender have met."""
         self.newest_reason, self.newest_sender = reason, sender

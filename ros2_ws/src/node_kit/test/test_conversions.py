@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import AccelStamped, TwistStamped
 from nav_msgs.msg import Odometry as OdometryMessage
-from nav_msgs.msg import Path
 from rclpy.serialization import deserialize_message, serialize_message
 
 from node_kit import conversions
 from tracked_types import (
     BodyState,
     TrackSample,
-    Trajectory,
     Twist2,
     VelocityCommand,
 )
@@ -109,15 +107,6 @@ def test_tracks_message_carries_suspension_joints_after_the_tracks():
 def test_tracks_message_refuses_travels_without_joints():
     with pytest.raises(ValueError, match="2 travels for 0"):
         conversions.tracks_to_message(TrackSample(STAMP_NS, 0.0, 0.0, 0.0, 0.0), [0.0, 0.0], wheel_radius_m=RADIUS_M)
-
-
-def test_path_shrinks_and_grows_with_the_trajectory(families):
-    trajectory = families["trajectory"][0]
-    path = conversions.path_to_message(trajectory)
-    assert [pose.header.stamp.nanosec for pose in path.poses] == [345_678_901, 545_678_901, 745_678_901]
-    short = Trajectory(0, "map", np.zeros(1), np.zeros((1, 3)), np.zeros((1, 2)))
-    assert len(conversions.path_to_message(short, into=path).poses) == 1
-    assert len(deserialize_message(serialize_message(conversions.path_to_message(trajectory, path)), Path).poses) == 3
 
 
 def test_numpy_scalars_reach_the_wire_unharmed():

@@ -75,10 +75,9 @@ class EchoNode(StackNode):
 
 
 class StrictNode(EchoNode):
-    """Accepts one frame only and does not live with exceptions."""
+    """Accepts one frame only."""
 
     NAME = "strict"
-    EXIT_ON_EXCEPTION = True
 
     def __init__(self, **options) -> None:
         super().__init__(**options)
@@ -196,14 +195,6 @@ def test_callback_may_reject_a_value_itself(graph, source, imu_message):
     graph.spin_until(lambda: "echo: inputs" in newest, "a report")
     assert "stamp goes back, from /imu_driver" in newest["echo: inputs"].message
     assert {value.key: value.value for value in newest["echo: inputs"].values}["imu/data: accepted"] == "0"
-
-
-def test_strict_node_asks_for_the_exit_when_a_callback_fails(graph, source, imu_message):
-    strict = graph.add(StrictNode)
-    strict.fault = RuntimeError("broken")
-    source(imu_message)
-    graph.spin_until(lambda: strict.exit_code is not None, "the request to exit")
-    assert strict.exit_code == 1
 
 
 def test_refused_service_request_is_answered(graph):

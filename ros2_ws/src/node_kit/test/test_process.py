@@ -148,20 +148,6 @@ sys.exit(run(Failing))
     assert "Driver.tick failed: KeyError: 'lost'" in errors
 
 
-def test_failing_callback_ends_a_strict_node_after_its_stop():
-    script = """
-class Strict(Driver):
-    EXIT_ON_EXCEPTION = True
-    def work(self):
-        raise KeyError("lost")
-sys.exit(run(Strict))
-"""
-    with started(script) as process:
-        code, output, errors = finished(process)
-    assert (code, output) == (1, "driver stopped\n")
-    assert "stopping: Driver.tick failed" in errors
-
-
 def test_node_may_end_the_process_with_a_code_and_a_reason():
     script = """
 class Finishing(Driver):

@@ -58,12 +58,6 @@ class VehicleState:
         return velocity
 
     @property
-    def base_angular_velocity_radps(self) -> Array:
-        """Angular velocity in base axes, (3,)."""
-        velocity: Array = self.rotation.T @ self.angular_velocity_radps
-        return velocity
-
-    @property
     def roll_pitch_yaw_rad(self) -> Array:
         """Fixed-axis angles of REP-103, (3,)."""
         r = self.rotation

@@ -95,16 +95,6 @@ def test_nothing_may_end_while_the_graph_starts(tmp_path: Path) -> None:
         graph.check(starting=True)
 
 
-def test_a_dispensable_process_is_missed_once(tmp_path: Path) -> None:
-    said: list[str] = []
-    graph = supervisor(tmp_path, said, {"fails": FAILS}, node("fails", on_exit="ignore"))
-    graph.start(1)
-    assert graph.processes["fails"].wait(LIMIT_S)
-    graph.check()
-    graph.check()
-    assert sum("going on without it" in line for line in said) == 1
-
-
 def test_an_executable_that_is_missing_fails_the_graph(tmp_path: Path) -> None:
     graph = supervisor(tmp_path, [], {}, node("nothing"))
     with pytest.raises(GraphFailedError, match="nothing cannot be started"):

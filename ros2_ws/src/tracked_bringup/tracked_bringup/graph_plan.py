@@ -15,8 +15,13 @@ from tracked_types import PeriodGrid, to_nanoseconds
 
 _PLAN_RATE_HZ = 5
 Grouping = Literal["default", "separate"]
-# Time stands still until every endpoint is matched, so that no first sample is lost.
-_GRAPH_ONLY: dict[str, dict[str, Value]] = {"sim_bridge": {"start_paused": True}}
+# Simulated time stands still until every endpoint is matched, so that no first sample is lost, and no later one may
+# be lost either. The sensors of a robot are often best effort, which a reliable subscription would not hear.
+_SIMULATED: dict[str, dict[str, Value]] = {
+    "sim_bridge": {"start_paused": True},
+    "ekf": {"reliable_sensors": True},
+    "recorder": {"reliable_sensors": True},
+}
 GROUPINGS: tuple[Grouping, ...] = ("default", "separate")
 
 
@@ -27,6 +32,14 @@ class NodePlan:
     name: str
     entry: NodeEntry
     parameters: Mapping[str, Value]
+
+    @property
+    def publishes(self) -> tuple[str, ...]:
+        """Topics it publishes with these parameters."""
+        chosen = self.parameters.items()
+        return self.entry.publishes + tuple(
+            topic for topic, condition in self.entry.publishes_if.items() if condition.items() <= chosen
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +55,9 @@ class ProcessPlan:
         return max(node.entry.order for node in self.nodes)
 
     @property
-    def on_exit(self) -> Literal["stop", "restart", "ignore"]:
+    def on_exit(self) -> Literal["stop", "restart"]:
         """The strictest policy of its nodes."""
-        policies = {node.entry.on_exit for node in self.nodes}
-        return "stop" if "stop" in policies else "restart" if "restart" in policies else "ignore"
+        return "stop" if any(node.entry.on_exit == "stop" for node in self.nodes) else "restart"
 
     @property
     def restarts(self) -> int:
@@ -71,7 +83,7 @@ class GraphPlan:
 
     def publishers_of(self, topic: str) -> int:
         """How many of the nodes publish a topic, as the table says."""
-        return sum(topic in planned.entry.publishes for planned in self.nodes)
+        return sum(topic in planned.publishes for planned in self.nodes)
 
     def full_name(self, relative: str) -> str:
         """A relative topic, service or node name within the namespace."""
@@ -119,7 +131,7 @@ def plan_graph(
         common["frame_prefix"] = f"{namespace}/"
     layers: list[Mapping[str, Mapping[str, Value]]] = [
         {name: {**common, **table.nodes[name].parameters} for name in names},
-        _GRAPH_ONLY if "sim_bridge" in names else {},
+        _SIMULATED if "sim_bridge" in names else {},
         _first_command(scenario, variant) if "sim_bridge" in names else {},
         {node: {"lock_step": scenario.time == "lock_step"} for node in ("command_arbiter", "upper_nmpc")},
         node_parameters(scenario, variant),

@@ -23,8 +23,9 @@ class NodeEntry(CheckedModel):
     group: Name
     order: Annotated[int, Field(ge=0, le=100)] = 1
     publishes: tuple[Topic, ...] = ()
+    publishes_if: dict[Topic, dict[Name, Value]] = Field(default_factory=dict)
     subscribes: tuple[Topic, ...] = ()
-    on_exit: Literal["stop", "restart", "ignore"] = "stop"
+    on_exit: Literal["stop", "restart"] = "stop"
     restarts: Annotated[int, Field(ge=0, le=1000)] = 3
     parameters: dict[Name, Value] = Field(default_factory=dict)
 

@@ -35,7 +35,6 @@ class Supervisor:
     ) -> None:
         self._plan = plan
         self._say = say
-        self._ended: set[str] = set()
         self.processes: dict[str, ManagedProcess] = {}
         for process in plan.processes:
             parameters = logs / f"{process.name}.yaml"
@@ -80,16 +79,13 @@ class Supervisor:
         for plan in self._plan.processes:
             process = self.processes[plan.name]
             code = process.exit_code
-            if code is None or plan.name in self._ended:
+            if code is None:
                 continue
             if plan.on_exit == "restart" and process.starts <= plan.restarts and not starting:
                 self._say(
                     f"[{plan.name}] ended ({describe_exit(code)}): started again, {process.starts} of {plan.restarts}"
                 )
                 process.start()
-            elif plan.on_exit == "ignore" and not starting:
-                self._ended.add(plan.name)
-                self._say(f"[{plan.name}] ended ({describe_exit(code)}): going on without it")
             else:
                 words = process.last_words
                 raise GraphFailedError(f"{plan.name} ended ({describe_exit(code)})" + (f":\n{words}" if words else ""))

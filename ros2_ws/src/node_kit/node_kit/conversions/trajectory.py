@@ -1,19 +1,15 @@
-"""tracked_interfaces/Trajectory and nav_msgs/Path."""
+"""tracked_interfaces/Trajectory."""
 
 from array import array
 
 import numpy as np
-from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import Path
 from numpy.typing import NDArray
 from tracked_interfaces.msg import Trajectory as TrajectoryMessage
 
 from node_kit.conversions.checks import require_all_finite, require_size
-from node_kit.conversions.geometry import fill_quaternion, fill_vector
-from node_kit.conversions.headers import fill_header, fill_stamp, header_from_message
+from node_kit.conversions.headers import fill_header, header_from_message
 from node_kit.rejection import RejectedMessage
-from node_kit.rotations import quaternion_from_yaw
-from tracked_types import Trajectory, to_nanoseconds, wrap_angle
+from tracked_types import Trajectory, wrap_angle
 
 LONGEST = 100_000  # points; longer messages are taken for nonsense
 
@@ -45,21 +41,6 @@ def trajectory_to_message(trajectory: Trajectory, into: TrajectoryMessage | None
     message.time_from_start = _array(trajectory.times_s)
     message.x, message.y, message.yaw = map(_array, trajectory.states.T)
     message.speed, message.yaw_rate = map(_array, trajectory.inputs.T)
-    return message
-
-
-def path_to_message(trajectory: Trajectory, into: Path | None = None) -> Path:
-    """Message for viewers: one stamped pose per point."""
-    message = Path() if into is None else into
-    fill_header(message.header, trajectory.stamp_ns, trajectory.frame_id)
-    count = len(trajectory.times_s)
-    poses = message.poses[:count] + [PoseStamped() for _ in range(count - len(message.poses))]
-    for pose, time, (x, y, yaw) in zip(poses, trajectory.times_s.tolist(), trajectory.states.tolist(), strict=True):
-        fill_stamp(pose.header.stamp, trajectory.stamp_ns + to_nanoseconds(time))
-        pose.header.frame_id = trajectory.frame_id
-        fill_vector(pose.pose.position, x, y, 0.0)
-        fill_quaternion(pose.pose.orientation, quaternion_from_yaw(yaw))
-    message.poses = poses
     return message
 
 
