@@ -5,10 +5,13 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from tests.support.contract import CONTRACT
+from tracked_bringup.node_table import load_node_table
 from tracked_description import load_robot
 from tracked_types import PeriodGrid
 
 ROBOT = load_robot()
+OF_EVERY_NODE = {"clock", "diagnostics"}
+"""What every node has by itself: no row of the node table."""
 ONLOOKERS = {"recorder", "bringup", "test_listener"}
 TOPICS = pytest.mark.parametrize("row", CONTRACT, ids=[row.topic for row in CONTRACT])
 PERIODIC = pytest.mark.parametrize(
@@ -43,6 +46,25 @@ def test_nothing_of_it_can_be_lost_and_late_comers_get_what_is_latched(step_run,
     for endpoint in step_run.endpoints.publishers[row.topic]:
         assert endpoint.qos_profile.reliability is ReliabilityPolicy.RELIABLE
         assert endpoint.qos_profile.durability is durability
+
+
+@TOPICS
+def test_nobody_in_it_listens_to_lossy_streams(step_run, row):
+    for endpoint in step_run.endpoints.subscribers[row.topic]:
+        # Of the clock, which rclpy subscribes, only the newest matters.
+        if row.topic != "clock" and endpoint.node_name in row.subscribers | {"recorder"}:
+            assert endpoint.qos_profile.reliability is ReliabilityPolicy.RELIABLE, endpoint.node_name
+
+
+def test_the_node_table_says_who_publishes_and_who_listens():
+    entries = load_node_table().nodes
+    for row in CONTRACT:
+        publishers = {name for name, entry in entries.items() if row.topic in entry.publishes}
+        listeners = {name for name, entry in entries.items() if row.topic in entry.subscribes} - ONLOOKERS
+        if row.topic in OF_EVERY_NODE:
+            continue
+        assert publishers == row.publishers, row.topic
+        assert listeners == (row.subscribers if row.publishers else set()), row.topic
 
 
 @PERIODIC

@@ -61,6 +61,21 @@ def test_lock_step_knows_when_the_first_command_comes() -> None:
     assert "first_command_s" not in parameters(plan("idle"), "sim_bridge")
 
 
+def test_the_first_commands_of_either_layer_are_waited_for() -> None:
+    for variant, node in (("single", "upper_nmpc"), ("double", "lower_nmpc")):
+        graph = plan(variant=variant)
+        publishers = [planned.name for planned in graph.nodes if "cmd_vel_nav" in planned.publishes]
+        assert publishers == [node]
+        assert graph.publishers_of("cmd_vel_nav") == 1
+
+
+def test_sensors_are_heard_without_loss_where_they_are_simulated() -> None:
+    simulated, real = plan(), plan("track", "double", "nodes.sim_bridge:=false")
+    for node in ("ekf", "recorder"):
+        assert parameters(simulated, node)["reliable_sensors"] is True
+        assert "reliable_sensors" not in parameters(real, node)
+
+
 def test_time_waits_until_the_graph_is_complete() -> None:
     assert parameters(plan(), "sim_bridge")["start_paused"] is True
 

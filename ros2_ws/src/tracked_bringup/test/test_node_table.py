@@ -25,7 +25,7 @@ def test_every_node_of_the_packaged_table_is_a_node_class_of_that_name() -> None
 
 def test_every_node_of_the_packaged_table_has_somebody_to_listen_to() -> None:
     entries = load_node_table().nodes
-    published = {topic for entry in entries.values() for topic in entry.publishes}
+    published = {topic for entry in entries.values() for topic in (*entry.publishes, *entry.publishes_if)}
     for name, entry in entries.items():
         assert set(entry.subscribes) <= published, name
 

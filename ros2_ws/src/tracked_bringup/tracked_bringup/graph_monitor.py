@@ -81,7 +81,7 @@ class GraphMonitor:
         """Endpoints that these nodes should have and that are not in the graph yet, in words."""
         lacking = []
         for node in nodes:
-            published = [topic for topic in node.entry.publishes if not self._has_endpoint(node.name, topic, True)]
+            published = [topic for topic in node.publishes if not self._has_endpoint(node.name, topic, True)]
             subscribed = [topic for topic in node.entry.subscribes if not self._has_endpoint(node.name, topic, False)]
             if published or subscribed:
                 lacking.append(f"{node.name} ({', '.join([*published, *subscribed])})")

@@ -40,12 +40,12 @@ from tracked_types import BodyState, Odometry
 PARAMETERS = ParameterTable(
     Parameter("record_file", "record.npz", "file that the record is written to when the node is stopped"),
     Parameter("meta_file", "", "JSON file of what the record says of its run; empty: a record without origin"),
+    qos.RELIABLE_SENSORS,
     Parameter(*ROBOT_FILE),
 )
 _DEPTH = 1000  # a record must not have holes where this process had to wait for a processor
 _DRAIN_LIMIT_S = 5.0
 _STATE = QoSProfile(depth=_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
-_SENSOR = QoSProfile(depth=_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,8 @@ class RecorderNode(StackNode):
         self.started_s = self.newest_s = math.nan
         radius_m = load_robot(self.value("robot_file")).tracks.wheel_radius_m
         tracks = partial(tracks_from_message, wheel_radius_m=radius_m)
-        self._keep(JointState, "joint_states", tracks, "tracks", _SENSOR)
+        sensor = qos.sensor(reliable=self.value(qos.RELIABLE_SENSORS.name), depth=_DEPTH)
+        self._keep(JointState, "joint_states", tracks, "tracks", sensor)
         self._keep(SlipMessage, "slip", slip_from_message, "slip")
         self._keep(SlipMessage, "ground_truth/slip", slip_from_message, "truth_slip")
         self._keep(TrajectoryMessage, "reference_trajectory", trajectory_from_message, "reference")

@@ -21,7 +21,9 @@ from tracked_description import ROBOT_FILE, load_robot
 from tracked_localization import Estimate, Health, OdometryFilter, OdometryFilterSettings, SlipSettings
 from tracked_types import ImuSample, TrackSample
 
-PARAMETERS = ParameterTable.from_settings(OdometryFilterSettings, SlipSettings, extra=(Parameter(*ROBOT_FILE),))
+PARAMETERS = ParameterTable.from_settings(
+    OdometryFilterSettings, SlipSettings, extra=(qos.RELIABLE_SENSORS, Parameter(*ROBOT_FILE))
+)
 _WATCH_PERIOD_S = 0.1
 
 
@@ -44,9 +46,10 @@ class EkfNode(StackNode):
         self.slip = self.publish_typed(SlipEstimate, "slip", to_slip_message, qos.STATE)
         self.transforms.advertise()
         to_tracks = partial(tracks_from_message, wheel_radius_m=robot.tracks.wheel_radius_m)
+        sensor = qos.sensor(reliable=self.value(qos.RELIABLE_SENSORS.name))
         imu_frame = self.frame(robot.frames.imu)
-        self.subscribe_typed(Imu, "imu/data", imu_from_message, self.on_imu, qos.SENSOR, expected_frame=imu_frame)
-        self.subscribe_typed(JointState, "joint_states", to_tracks, self.on_tracks, qos.SENSOR)
+        self.subscribe_typed(Imu, "imu/data", imu_from_message, self.on_imu, sensor, expected_frame=imu_frame)
+        self.subscribe_typed(JointState, "joint_states", to_tracks, self.on_tracks, sensor)
         self.serve(Trigger, "reset_odometry", self.on_reset)
         self.every_wall(_WATCH_PERIOD_S, self.on_watch)
 
