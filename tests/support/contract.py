@@ -4,8 +4,12 @@ from dataclasses import dataclass
 from importlib import import_module
 
 from tests.support.node_process import ROOT
+from tracked_bringup.node_table import load_node_table
 
 PAGE = ROOT / "docs" / "topics.md"
+EVERY_NODE = "every node"
+"""In the place of names: all of the node table."""
+ONLOOKERS = frozenset({"recorder", "bringup"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +51,8 @@ def _row(cells: list[str]) -> Row:
 
 
 def _names(cell: str) -> frozenset[str]:
+    if cell == EVERY_NODE:
+        return frozenset(load_node_table().nodes) - ONLOOKERS
     return frozenset(name.strip() for name in cell.split(",") if name.strip())
 
 
