@@ -1,3 +1,4 @@
+from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,7 @@ from sim_bridge.faults import FaultRefused
 from tracked_lab import drive
 from tracked_lab.tuning import UnknownParameterError
 from tracked_report.run_record import RunRecord
-from tracked_report.scenario import Scenario
+from tracked_report.scenario import Scenario, load_scenario
 
 
 def scenario(**changes: Any) -> Scenario:
@@ -23,16 +24,23 @@ def scenario(**changes: Any) -> Scenario:
     return Scenario.model_validate(content | changes)
 
 
+def test_the_example_of_a_scenario_asks_for_nothing_that_is_not_there() -> None:
+    example = load_scenario(resources.files("tracked_report") / "data" / "scenario_example.yaml")
+    for variant in example.variants:
+        record = drive(example.model_copy(update={"duration_s": 0.1}), variant)
+        assert len(record.channel("truth")) == 6
+
+
 def path(record: RunRecord) -> np.ndarray:
     return record.channel("truth").values[:, :2]
 
 
 @pytest.mark.parametrize("variant", ["single", "double"])
 def test_the_robot_drives_where_the_reference_goes(variant: str) -> None:
-    record = drive(scenario(), variant)
+    record = drive(scenario(duration_s=6.0), variant)
     assert path(record)[-1] == pytest.approx([0.6, 0.0], abs=0.08)
-    assert len(record.channel("odometry")) == pytest.approx(4.0 * 60, abs=2)
-    assert len(record.channel("cmd_vel")) > 3.0 * 30
+    assert len(record.channel("odometry")) == pytest.approx(6.0 * 60, abs=2)
+    assert len(record.channel("cmd_vel")) > 4.0 * 30
 
 
 def test_the_same_seed_gives_the_same_drive_bit_for_bit_and_another_seed_does_not() -> None:
