@@ -70,6 +70,19 @@ def test_a_comparison_leaves_whole_records_a_report_and_no_process(bringup, tmp_
     assert "RMS y (m)" in process.output and str(folder / "report.html") in process.output
 
 
+def test_a_fault_begins_at_its_instant_and_a_refused_one_ends_the_run(bringup, tmp_path):
+    fault = "faults:=[{at_s: 1.0, kind: bias, target: %s, value: 0.2, duration_s: 0.5}]"
+    process = bringup("idle", "duration_s:=2", "nodes.recorder:=true", fault % "tracks")
+    assert process.wait(RUN_LIMIT_S) == 0, process.output
+    tracks = RunRecord.load(tmp_path / "out" / "idle" / "double.npz").channel("tracks")
+    biased = tracks.stamps_ns[np.abs(tracks.values[:, 2]) > 0.1]
+    assert len(biased) == 30 and biased[0] == 10**9
+    process = bringup("idle", fault % "left_track")
+    assert process.wait(RUN_LIMIT_S) == 2
+    assert "fault bias of left_track is refused: sensor must be one of tracks, imu, scan" in process.output
+    assert processes_of(tmp_path) == {}
+
+
 def test_a_node_that_is_needed_and_dies_ends_the_run_with_a_code(bringup, tmp_path, probe):
     process = bringup("idle", "sim_bridge.lidar_mode:=instant")
     odom = probe.collect(Odometry, "odom")

@@ -84,8 +84,8 @@ class RunControl:
         self._simulator.reset(seed)
         self._pacer.restart()
 
-    def inject_fault(self, sensor: str, kind: str, duration_s: float, magnitude: float) -> None:
-        """Disturb a sensor from now on, for ``duration_s`` of simulated time or, with 0, until ended.
+    def inject_fault(self, sensor: str, kind: str, duration_s: float, magnitude: float, start_ns: int = 0) -> None:
+        """Disturb a sensor from ``start_ns`` on, at the earliest now, for ``duration_s`` or, with 0, until ended.
 
         Raises
         ------
@@ -93,9 +93,9 @@ class RunControl:
         """
         if not 0.0 <= duration_s < 1e9:
             raise FaultRefused(f"duration must be 0 (until ended) or positive seconds, got {duration_s!r}")
-        now_ns = self._simulator.stamp_ns
-        end_ns = now_ns + to_nanoseconds(duration_s) if duration_s else None
-        self._simulator.inject(Fault(sensor_called(sensor), kind_called(kind), now_ns, end_ns, magnitude))
+        start_ns = max(start_ns, self._simulator.stamp_ns)
+        end_ns = start_ns + to_nanoseconds(duration_s) if duration_s else None
+        self._simulator.inject(Fault(sensor_called(sensor), kind_called(kind), start_ns, end_ns, magnitude))
 
     def end_faults(self, sensor: str) -> None:
         """End the faults of a sensor; raises FaultRefused if there is no such sensor."""

@@ -137,6 +137,17 @@ def test_faults_last_as_long_as_asked(make):
     assert not simulator.sensors.active_faults(simulator.stamp_ns)
 
 
+def test_faults_may_be_announced_for_later(make):
+    simulator, run, delivered = make()
+    run.inject_fault("imu", "nan", 0.025, 0.0, start_ns=50_000_000)
+    assert not simulator.sensors.active_faults(simulator.stamp_ns)
+    for _ in range(12):
+        run.work(0.0)
+    bad = {batch.stamp_ns for batch in delivered if math.isnan(batch.imu[0].angular_velocity_radps[0])}
+    assert bad == {batch.stamp_ns for batch in delivered if 50_000_000 <= batch.stamp_ns < 75_000_000}
+    assert len(bad) == 3
+
+
 @pytest.mark.parametrize("duration", [-1.0, math.nan, math.inf])
 def test_senseless_durations_are_refused(make, duration):
     _, run, _ = make()

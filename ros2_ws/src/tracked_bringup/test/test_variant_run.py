@@ -36,6 +36,7 @@ class Graph:
     goal_at_s: float = 1e9
     fails_at_s: float = 1e9
     refuses_to_play: str | None = None
+    refuses_faults: str | None = None
     wall_s: float = 0.0
     time_s: float = 0.0
     log: list[str] = field(default_factory=list)
@@ -75,8 +76,8 @@ class Graph:
         return self.refuses_to_play
 
     def inject(self, fault: Fault) -> str | None:
-        self.log.append(f"{fault.kind} at {self.time_s:.1f}")
-        return None
+        self.log.append(f"{fault.kind} for {fault.at_s:.1f} at {self.time_s:.1f}")
+        return self.refuses_faults
 
     def refresh(self) -> LiveState:
         if self.time_s < self.stands_from_s:
@@ -174,11 +175,23 @@ def test_an_open_ended_run_ends_well_when_asked_to() -> None:
     assert run(Graph(plan("sim_bridge")), 20, open_ended=True).time_s > 0.0
 
 
-def test_faults_come_at_their_time() -> None:
+def test_faults_are_announced_before_time_starts() -> None:
     graph = Graph(plan("sim_bridge"))
     faults = (
         Fault(at_s=3.0, kind="freeze", target="tracks"),
         Fault(at_s=1.0, kind="bias", target="imu", value=0.1),
     )
     run(graph, faults=faults)
-    assert graph.log[2:4] == ["bias at 1.1", "freeze at 3.1"]
+    assert graph.log[1:4] == ["freeze for 3.0 at 0.0", "bias for 1.0 at 0.0", "play"]
+
+
+@pytest.mark.parametrize(
+    ("nodes", "words"),
+    [(("sim_bridge",), "fault freeze of nose is refused: no such sensor"), (("ekf",), "sim_bridge, which does not")],
+)
+def test_faults_that_cannot_be_injected_end_the_run_as_a_bad_argument(nodes: tuple[str, ...], words: str) -> None:
+    graph = Graph(plan(*nodes), refuses_faults="no such sensor")
+    with pytest.raises(RunEndedError, match=words) as error:
+        run(graph, faults=(Fault(at_s=1.0, kind="freeze", target="nose"),))
+    assert error.value.code is ExitCode.BAD_ARGUMENTS
+    assert "play" not in graph.log

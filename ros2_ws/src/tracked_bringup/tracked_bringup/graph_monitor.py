@@ -24,6 +24,7 @@ from tracked_interfaces.srv import InjectFault, SetSimulationState
 from node_kit import RejectedMessage
 from node_kit.conversions import (
     clock_from_message,
+    fill_stamp,
     goal_reached_from_message,
     odometry_from_message,
     slip_from_message,
@@ -33,6 +34,7 @@ from node_kit.conversions import (
 from tracked_bringup.graph_plan import GraphPlan, NodePlan
 from tracked_bringup.live_state import LiveState
 from tracked_report.scenario import Fault
+from tracked_types import to_nanoseconds
 
 _NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 _LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -118,10 +120,11 @@ class GraphMonitor:
         return self._call(SetSimulationState, "set_simulation_state", request)
 
     def inject(self, fault: Fault) -> str | None:
-        """Inject a fault into the simulator; why that failed, or None."""
+        """Announce a fault to the simulator, to act from its time on; why that failed, or None."""
         request = InjectFault.Request(
             sensor=fault.target, kind=fault.kind, duration=float(fault.duration_s or 0.0), magnitude=float(fault.value)
         )
+        fill_stamp(request.start, to_nanoseconds(fault.at_s))
         return self._call(InjectFault, "inject_fault", request)
 
     def _watch(

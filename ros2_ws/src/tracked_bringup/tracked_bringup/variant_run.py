@@ -67,7 +67,7 @@ class Monitor(Protocol):
         ...
 
     def inject(self, fault: Fault) -> str | None:
-        """Inject a fault; why not, or None."""
+        """Announce a fault, to act from its time on; why not, or None."""
         ...
 
 
@@ -127,6 +127,8 @@ class VariantRun:
         return state
 
     def _start(self) -> None:
+        if self._settings.faults and not self._plan.has("sim_bridge"):
+            raise RunEndedError(ExitCode.BAD_ARGUMENTS, "faults are injected by sim_bridge, which does not take part")
         for order in self._supervisor.orders:
             started = self._supervisor.start(order)
             nodes = tuple(node for process in started for node in process.nodes)
@@ -137,6 +139,8 @@ class VariantRun:
             raise RunEndedError(
                 ExitCode.NOT_MATCHED, f"{'; '.join(doubles)} in this domain; set ROS_DOMAIN_ID or namespace:=NAME"
             )
+        for fault in self._settings.faults:
+            self._inject(fault)
         if self._plan.has("sim_bridge"):
             refusal = self._monitor.set_playing()
             if refusal:
@@ -160,7 +164,6 @@ class VariantRun:
 
     def _watch(self) -> LiveState:
         settings = self._settings
-        faults = sorted(settings.faults, key=lambda fault: fault.at_s)
         first_s: float | None = None
         newest_s, progress_s, shown_s = -math.inf, self._clock(), -math.inf
         while True:
@@ -172,8 +175,6 @@ class VariantRun:
                 if state.time_s != newest_s:
                     newest_s, progress_s = state.time_s, now_s
             elapsed_s = 0.0 if first_s is None else state.time_s - first_s
-            while faults and elapsed_s >= faults[0].at_s:
-                self._inject(faults.pop(0))
             if self._is_over(state, elapsed_s):
                 return state
             if now_s - progress_s > settings.stall_limit_s:
@@ -194,9 +195,12 @@ class VariantRun:
         return state.time_s >= state.goal.stamp_ns * 1e-9 + AFTER_GOAL_S
 
     def _inject(self, fault: Fault) -> None:
+        """While time still stands, so that a fault begins at its instant in every run."""
+        name = f"fault {fault.kind} of {fault.target}"
         refusal = self._monitor.inject(fault)
-        outcome = f"refused: {refusal}" if refusal else "injected"
-        self._console.say(f"fault {fault.kind} of {fault.target} {outcome}")
+        if refusal:
+            raise RunEndedError(ExitCode.BAD_ARGUMENTS, f"{name} is refused: {refusal}")
+        self._console.say(f"{name} from {fault.at_s:g} s on")
 
     def _pause(self, seconds: float) -> None:
         if self._stop.wait(seconds):

@@ -76,7 +76,7 @@ def test_start_is_a_name_or_a_pose():
         ("reference", {"shape": "line", "file": "a.csv"}),
         ("reference", {"parameters": {}}),
         ("reference", {"shape": "line", "parameters": {"length_m": float("inf")}}),
-        ("faults", [{"at_s": 99.0, "kind": "freeze", "target": "left_track"}]),
+        ("faults", [{"at_s": 99.0, "kind": "freeze", "target": "tracks"}]),
         ("faults", [{"at_s": 1.0, "kind": "freeze", "target": ""}]),
         ("parameters", {"ekf": {"Gain": 1.0}, "Bad Node": {}}),
         ("speed", 1.0),

@@ -59,7 +59,10 @@ class Variant(CheckedModel):
 
 
 class Fault(CheckedModel):
-    """Fault injected into the simulator; which kinds and targets exist is the simulator's to say."""
+    """Fault injected into the simulator; which kinds and targets exist is the simulator's to say.
+
+    ``at_s`` is simulated time, which starts at zero; ``duration_s`` None: to the end.
+    """
 
     at_s: NotNegative
     kind: Name

@@ -23,7 +23,7 @@ from tracked_interfaces.srv import (
 )
 
 from node_kit import StackNode
-from node_kit.conversions import fill_header
+from node_kit.conversions import fill_header, stamp_from_message
 from node_kit.conversions.geometry import fill_quaternion, fill_vector, quaternion_from_message, vector_from_message
 from node_kit.rotations import quaternion_from_roll_pitch_yaw, roll_pitch_yaw_from_quaternion
 from sim_bridge.entities import EntityState
@@ -98,7 +98,8 @@ class SimulationServices:
 
     def _inject_fault(self, request: Any, _response: Any) -> None:
         if request.kind:
-            self._run.inject_fault(request.sensor, request.kind, request.duration, request.magnitude)
+            start_ns = stamp_from_message(request.start)
+            self._run.inject_fault(request.sensor, request.kind, request.duration, request.magnitude, start_ns)
         else:
             self._run.end_faults(request.sensor)
 
