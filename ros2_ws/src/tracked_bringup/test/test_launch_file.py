@@ -10,8 +10,13 @@ from typing import Any
 import pytest
 
 from tracked_bringup.node_table import load_node_table
+from tracked_bringup.scenarios import ArgumentError
 
 LAUNCH_FILE = Path(__file__).parents[1] / "launch" / "bringup.launch.py"
+
+
+def not_installed(package: str) -> str:
+    raise LookupError(package)
 
 
 class Action:
@@ -56,7 +61,7 @@ def actions(launch_file: ModuleType, **values: str) -> dict[str, dict[str, Any]]
     description = launch_file.generate_launch_description()
     *declared, opaque = description.positional[0]
     defaults = {argument.positional[0]: argument.keywords["default_value"] for argument in declared}
-    nodes = opaque.keywords["function"](Context({**defaults, **values}))
+    nodes = opaque.keywords["function"](Context({**defaults, "simulated": "true", **values}))
     return {node.keywords["name"]: node.keywords for node in nodes}
 
 
@@ -90,7 +95,25 @@ def test_arguments_choose_scenario_variant_namespace_and_changes(launch_file: Mo
     assert launched["ekf"]["remappings"] == [("/clock", "/r1/clock")]
 
 
-def test_a_robot_leaves_the_simulator_out(launch_file: ModuleType) -> None:
-    launched = actions(launch_file, changes="nodes.sim_bridge:=false")
+def test_a_scenario_with_faults_is_refused(launch_file: ModuleType) -> None:
+    with pytest.raises(ArgumentError, match="faults"):
+        actions(launch_file, changes="'faults:=[{at_s: 1.0, kind: nan, target: imu}]'")
+
+
+@pytest.mark.parametrize("choice", ["false", "auto"])
+def test_a_robot_leaves_the_simulator_out(
+    launch_file: ModuleType, monkeypatch: pytest.MonkeyPatch, choice: str
+) -> None:
+    monkeypatch.setattr(launch_file, "get_package_prefix", not_installed)
+    launched = actions(launch_file, simulated=choice)
     assert "sim_bridge" not in launched
-    assert "use_sim_time" not in launched["ekf"]["parameters"][0]
+    assert launched["ekf"]["parameters"][0].keys().isdisjoint({"use_sim_time", "reliable_sensors"})
+
+
+def test_where_the_simulator_is_installed_it_is_launched(
+    launch_file: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(launch_file, "get_package_prefix", lambda package: f"/opt/{package}")
+    assert "sim_bridge" in actions(launch_file, simulated="auto")
+    with pytest.raises(ArgumentError, match="simulated is true, false or auto"):
+        actions(launch_file, simulated="perhaps")
