@@ -1,6 +1,6 @@
 import numpy as np
 
-from nmpc_layers.nodes.odometry_queue import LONGEST, OdometryQueue
+from nmpc_layers.odometry_queue import LONGEST, OdometryQueue
 from tracked_types import Odometry, Pose2, Twist2
 
 
@@ -19,11 +19,12 @@ def test_ticks_wait_in_order_for_what_they_lack():
     assert ticked == [1, 2, 3]
 
 
-def test_time_that_is_not_locked_is_not_waited_for():
-    ticked = []
-    queue = OdometryQueue(lambda _: True, lambda each: ticked.append(each.stamp_ns))
+def test_time_that_is_not_locked_is_not_waited_for_and_that_is_told():
+    ticked, told = [], []
+    queue = OdometryQueue(lambda _: True, lambda each: ticked.append(each.stamp_ns), told.append)
     for stamp_ns in range(LONGEST - 1):
         queue.add(odometry(stamp_ns))
-    assert not ticked
+    assert not ticked and not told
     queue.add(odometry(LONGEST - 1))
     assert ticked == list(range(LONGEST))
+    assert told == [LONGEST]

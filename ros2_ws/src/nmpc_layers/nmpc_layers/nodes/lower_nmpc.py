@@ -10,8 +10,8 @@ from tracked_interfaces.msg import SolverStatus as SolverStatusMessage
 from tracked_interfaces.msg import Trajectory as TrajectoryMessage
 
 from nmpc_layers import LowerLayer, LowerSettings
-from nmpc_layers.nodes.odometry_queue import OdometryQueue
 from nmpc_layers.nodes.status_report import StatusReport
+from nmpc_layers.odometry_queue import OdometryQueue
 from node_kit import Parameter, ParameterTable, StackNode, qos, run
 from node_kit.conversions import (
     command_from_message,
@@ -49,7 +49,6 @@ class LowerNmpcNode(StackNode):
         robot = load_robot(self.value("robot_file"))
         self.layer = LowerLayer(LowerSettings.from_robot(robot, **self.tuning(LowerSettings)))
         self.lock_step = self.value("lock_step")
-        self.odometry = OdometryQueue(self.must_wait, self.tick)
         odom_frame, base_frame = self.frame(robot.frames.odom), self.frame(robot.frames.base_footprint)
         stamped = partial(command_to_message, frame_id=base_frame)
         self.command = self.publish_typed(TwistStamped, "cmd_vel_nav", stamped, qos.COMMAND)
@@ -58,6 +57,7 @@ class LowerNmpcNode(StackNode):
         )
         self.status = self.publish_typed(SolverStatusMessage, "lower_nmpc/status", solver_status_to_message, qos.STATE)
         self.report = StatusReport(self, self.layer.solver.interpreter_reason)
+        self.odometry = OdometryQueue(self.must_wait, self.tick, self.report.note_overdue)
         self.subscribe_typed(
             TrajectoryMessage,
             "upper_nmpc/trajectory",

@@ -16,6 +16,7 @@ class StatusReport:
     def __init__(self, node: StackNode, interpreter_reason: str) -> None:
         self._node = node
         self._failures = 0
+        self._overdue = 0
         level = Level.WARN if interpreter_reason else Level.OK
         node.diagnostics.report("solver code", level, interpreter_reason or "compiled", {})
 
@@ -34,3 +35,10 @@ class StatusReport:
                 **values,
             },
         )
+
+    def note_overdue(self, waiting: int) -> None:
+        """So many odometries are ticked without what lock-step promises them."""
+        self._overdue += waiting
+        message = f"{self._overdue} odometries have waited in vain: time is not locked to the commands"
+        self._node.get_logger().warning(message)
+        self._node.diagnostics.report("lock step", Level.WARN, message)

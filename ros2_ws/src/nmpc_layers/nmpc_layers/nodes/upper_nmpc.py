@@ -9,8 +9,8 @@ from tracked_interfaces.msg import SolverStatus as SolverStatusMessage
 from tracked_interfaces.msg import Trajectory as TrajectoryMessage
 
 from nmpc_layers import UpperLayer, UpperSettings
-from nmpc_layers.nodes.odometry_queue import OdometryQueue
 from nmpc_layers.nodes.status_report import StatusReport
+from nmpc_layers.odometry_queue import OdometryQueue
 from node_kit import Parameter, ParameterTable, StackNode, qos, run
 from node_kit.conversions import (
     command_from_message,
@@ -43,7 +43,6 @@ class UpperNmpcNode(StackNode):
         robot = load_robot(self.value("robot_file"))
         self.layer = UpperLayer(UpperSettings.from_robot(robot, **self.tuning(UpperSettings)))
         self.lock_step = self.value("lock_step")
-        self.odometry = OdometryQueue(self.must_wait, self.tick)
         self.trajectory = self.publish_typed(
             TrajectoryMessage, "upper_nmpc/trajectory", trajectory_to_message, qos.STATE
         )
@@ -53,6 +52,7 @@ class UpperNmpcNode(StackNode):
             stamped = partial(command_to_message, frame_id=self.frame(robot.frames.base_footprint))
             self.command = self.publish_typed(TwistStamped, "cmd_vel_nav", stamped, qos.COMMAND)
         self.report = StatusReport(self, self.layer.solver.interpreter_reason)
+        self.odometry = OdometryQueue(self.must_wait, self.tick, self.report.note_overdue)
         odom_frame = self.frame(robot.frames.odom)
         self.subscribe_typed(
             TrajectoryMessage,
