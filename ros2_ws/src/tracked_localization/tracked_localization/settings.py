@@ -65,14 +65,15 @@ class OdometryFilterSettings:
         0.03, "slip common to both tracks, as a share of the speed (one sigma); no sensor sees it", low=0.0, high=1.0
     )
     slide_s: float = setting(
-        0.18,
-        "angle between motion and heading per yaw rate: tracks slide outwards in curves",
+        0.0,
+        "angle between motion and heading per yaw rate: tracks slide outwards in curves. 0: unknown, and the control "
+        "layers, whose model has no slide, keep heading and path together",
         unit="s",
         low=0.0,
         high=1.0,
     )
     lateral_slip_m: float = setting(
-        0.04, "sideways speed per yaw rate (one sigma); no sensor sees it", unit="m", low=0.0, high=1.0
+        0.07, "sideways speed per yaw rate (one sigma); no sensor sees it", unit="m", low=0.0, high=1.0
     )
     settling_yaw_rad: float = setting(
         0.004, "turn that a stopping robot may still make on its belts (one sigma)", unit="rad", low=0.0, high=0.1
