@@ -116,7 +116,9 @@ def test_limit_is_below_every_filter_of_random_ones() -> None:
     rng = np.random.default_rng(1)
     limit = limit_of_filters(PLANT, 6.0)
     for _ in range(50):
-        filtering = Filter.of(rng.normal(size=(2, 2)) - 5.0 * np.eye(2), rng.normal(size=(2, 1)), rng.normal(size=(1, 2)))
+        filtering = Filter.of(
+            rng.normal(size=(2, 2)) - 5.0 * np.eye(2), rng.normal(size=(2, 1)), rng.normal(size=(1, 2))
+        )
         assert error_gain(PLANT, filtering, np.array([6.0])).max() >= limit
 
 

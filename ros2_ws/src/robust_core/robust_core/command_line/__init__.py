@@ -1,0 +1,1 @@
+"""The command line: designs, proofs and maps from specifications that are data, never code."""

@@ -1,0 +1,289 @@
+"""The command line: what it writes, its exit codes, and specifications that are wrong."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from robust_core.command_line import spec as spec_files
+from robust_core.command_line.main import main, run
+from robust_core.design_files import load_design, save_design
+from robust_core.errors import ArgumentError, CertificateDamagedError, CertificateMismatchError
+from robust_core.plants import chua
+
+STABLE = "{vertices: {A: [[[-1, 0], [0, -2]], [[-3, 1/3], [0, -1]]]}}"
+PUSHED = "{vertices: {A: [[[0, 1], [1, 0]], [[0, 1], [2, 0]]], B: [[0], [1]]}}"
+FORMULAS = "states: [x, v]\n  box: {x: [-1, 1], v: [-1, 1]}"
+
+
+def write_spec(folder: Path, text: str) -> str:
+    path = folder / "spec.yaml"
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def answer(folder: Path, command: str, text: str) -> int:
+    return main([command, write_spec(folder, text), "--out", str(folder / "out")])
+
+
+@pytest.mark.parametrize("name", spec_files.examples())
+def test_every_example_is_proven_and_explained(name, tmp_path, capsys) -> None:
+    spec = spec_files.read_spec(name)
+    assert main(["explain", name]) == 0
+    command = spec_files.COMMAND_OF[spec.task]
+    path = name
+    if spec.task == "map":
+        text = (Path(spec_files.__file__).parents[1] / "specs" / name).read_text(encoding="utf-8")
+        path = write_spec(tmp_path, text.replace("count: 21", "count: 3"))
+    assert main([command, path, "--out", str(tmp_path / "out")]) == 0
+    shown = capsys.readouterr().out
+    assert "Found: proven" in shown
+    written = {file.name for file in (tmp_path / "out").iterdir()}
+    assert {"explanation.md", "plot.svg"} <= written
+    assert written & {"certificate.json", "map.csv"}
+
+
+def test_a_design_is_loaded_with_its_proof_and_not_with_another_digit(tmp_path, capsys) -> None:
+    assert main(["design", "vibration_observer.yaml", "--out", str(tmp_path)]) == 0
+    file = tmp_path / "design.json"
+    design = load_design(file)
+    assert set(design.gains) == {"E", "X"} and design.certificate.feasible
+    assert main(["certify", str(file)]) == 0 and main(["explain", str(tmp_path / "certificate.json")]) == 0
+    with pytest.raises(CertificateMismatchError):
+        load_design(file, model=chua.stabilisation())
+    content = json.loads(file.read_text(encoding="utf-8"))
+    content["gains"]["X"][0][0] += 1e-9
+    file.write_text(json.dumps(content), encoding="utf-8")
+    capsys.readouterr()
+    assert main(["certify", str(file)]) == 1
+    assert "not those that its certificate is about" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("content", ["", "[]", "{}", '{"format": "x", "gains": {}, "certificate": {}}'])
+def test_what_is_no_design_is_refused(content, tmp_path) -> None:
+    file = tmp_path / "design.json"
+    file.write_text(content, encoding="utf-8")
+    with pytest.raises(CertificateDamagedError):
+        load_design(file)
+    assert main(["certify", str(file)]) == 1
+
+
+def test_certificates_of_no_design_make_no_design_file(tmp_path) -> None:
+    from robust_core import CommonLyapunov, PolytopicSystem, decide
+
+    certificate = decide(CommonLyapunov(), PolytopicSystem.of([[[-1.0]]])).require()
+    with pytest.raises(ArgumentError, match="gains, a filter or an observer"):
+        save_design(certificate, tmp_path / "design.json")
+
+
+@pytest.mark.parametrize(
+    ("task", "command", "code"),
+    [
+        ("certify: {theorem: 2.1}", "certify", 0),
+        ("certify: {theorem: 2.1, decay: 5}", "certify", 1),
+        ("certify: {half_widths: [1, 2]}", "certify", 0),
+        ("certify: {region: {disc: [-5, 4.9], sector: 0.5, half_plane: -0.5}}", "certify", 0),
+        ("certify: {theorem: 2.3}", "certify", 1),
+        ("certify:", "certify", 0),
+        ("certify: {theorem: 2.1}", "design", 2),
+    ],
+)
+def test_exit_codes_say_what_is_proven(task, command, code, tmp_path) -> None:
+    assert answer(tmp_path, command, f"system: {STABLE}\n{task}\n") == code
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        "{decay: 0.5, region: {half_plane: -0.6}}",
+        "{input_limit: [5], start: [[0.1, 0]], objective: small set}",
+        "{method: dependent, rates_hold_in_closed_loop: true, gain_bound: 100}",
+    ],
+)
+def test_gains_are_designed_from_vertices(asked, tmp_path) -> None:
+    system = PUSHED[:-1] + ", rates: [0.1, 0.1]}"
+    assert answer(tmp_path, "design", f"system: {system}\nstabilise: {asked}\n") == 0
+    assert load_design(tmp_path / "out" / "design.json").gains["K"].shape == (2, 1, 2)
+
+
+def test_different_input_matrices_are_designed_for_in_pairs(tmp_path) -> None:
+    system = "{vertices: {A: [[[0, 1], [1, 0]], [[0, 1], [2, 0]]], B: [[[0], [1]], [[0], [2]]]}}"
+    assert answer(tmp_path, "design", f"system: {system}\nstabilise: {{decay: 0.5}}\n") == 0
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        "{band: [1, 2]}",
+        "{order: 1, fastest_pole: 50}",
+        "{index: energy_to_peak, fastest_pole: 50}",
+        "{index: passive, fastest_pole: 50}",
+        "{index: {kind: dissipative, Q: [[-1]], S: [[1]], R: [[0]]}, fastest_pole: 50}",
+    ],
+)
+def test_filters_are_designed(asked, tmp_path) -> None:
+    system = (
+        "{vertices: {A: [[[-1, 1], [0, -2]], [[-1, 2], [0, -3]]], B: [[0], [1]], C: [[1, 0]], E: [[1, 0]], F: [[0.1]]}}"
+    )
+    assert answer(tmp_path, "design", f"system: {system}\nfilter: {asked}\n") == 0
+
+
+def test_given_filters_and_observers_are_certified(tmp_path) -> None:
+    system = "{vertices: {A: [[[-1]], [[-2]]], B: [[1]], C: [[1]], E: [[1]], F: [[0]]}}"
+    given = "certify: {filter: {A: [[-1]], B: [[0]], C: [[0]]}}"
+    assert answer(tmp_path, "certify", f"system: {system}\n{given}\n") == 0
+    system = "{A: [[1, 0.001], [-0.04, 0.96]], B: [[0], [1]], C: [[1, 0]], Df: [[0], [0.001]], D: [[0], [0.001]]}"
+    for tau, code in ((79, 0), (999, 1)):
+        given = f"certify: {{tau: {tau}, observer: {{E: [[0], [-40]], X: [[1], [-40.04]]}}}}"
+        assert answer(tmp_path, "certify", f"system: {system}\n{given}\n") == code
+    assert answer(tmp_path, "design", f"system: {system}\nobserver: {{tau: 2000}}\n") == 2
+
+
+FAILURES = [
+    ("system: {}\n", "asks one of"),
+    ("system: {}\ncertify: {}\nmap: {}\n", "asks one of"),
+    ("sytem: {}\ncertify: {}\n", "did you mean 'system'"),
+    ("name: a/b\nsystem: {}\ncertify: {}\n", "it names a folder"),
+    ("- 1\n", "must be a mapping"),
+    ("1: 2\n", "keys are texts"),
+    ("certify: {}\n", "system: is missing"),
+    ("system: [\n", "is no YAML"),
+    ("system: {a: &x 1, b: *x}\ncertify: {}\n", "aliases are not allowed"),
+    ("system: {}\nsystem: {}\ncertify: {}\n", "is there twice"),
+    ("system: {vertices: {}}\ncertify: {}\n", "system.vertices.A: is missing"),
+    ("system: {vertices: {A: [[[1, 2], [3]]]}}\ncertify: {}\n", "rows of different lengths"),
+    ("system: {vertices: {A: [[[.nan]]]}}\ncertify: {}\n", "system.vertices.A[0][0][0]"),
+    ("system: {vertices: {A: [[[true]]]}}\ncertify: {}\n", "system.vertices.A[0][0][0]"),
+    ("system: {vertices: {A: [[[1/0]]]}}\ncertify: {}\n", "no finite value"),
+    ("system: {vertices: {A: [[[1, 2]]]}}\ncertify: {}\n", "system.vertices: A must be"),
+    ("system: {vertices: {A: [[[1]]]}, groups: 3}\ncertify: {}\n", "system.groups"),
+    ("system: {vertices: {A: [[[1]]]}, totals: [2]}\ncertify: {}\n", "totals"),
+    (f"system: {STABLE}\ncertify: {{theorem: 9}}\n", "certify.theorem: must be one of"),
+    (f"system: {STABLE}\ncertify: {{decay: fast}}\n", "certify.decay"),
+    (f"system: {STABLE}\ncertify: {{decay: 1, region: {{disc: [1, 2]}}}}\n", "certify.region"),
+    (f"system: {STABLE}\ncertify: {{region: {{disc: [1]}}}}\n", "certify.region.disc"),
+    (f"system: {STABLE}\ncertify: {{region: {{}}}}\n", "at least one"),
+    (f"system: {STABLE}\ncertify: {{filter: {{}}, observer: {{}}}}\n", "not both"),
+    (f"system: {STABLE}\ncertify: {{gains: [[[1]]]}}\n", "certify.gains"),
+    (f"system: {STABLE}\nstabilise: {{}}\n", "a system with inputs"),
+    (f"system: {PUSHED}\nstabilise: {{method: magic}}\n", "stabilise.method: must be one of"),
+    (f"system: {PUSHED}\nstabilise: {{gain_bound: 3}}\n", "is for method dependent"),
+    (f"system: {PUSHED}\nstabilise: {{box: {{0: 1}}}}\n", "keys are texts"),
+    (f"system: {PUSHED}\nstabilise: {{method: dependent, input_limit: 1}}\n", "is for method quadratic"),
+    (f"system: {PUSHED}\nstabilise: {{digits: 1}}\n", "stabilise.digits: must be a whole number"),
+    (f"system: {PUSHED}\nstabilise: {{input_limit: -1}}\n", "input_limit must be positive"),
+    (f"system: {STABLE}\nfilter: {{}}\n", "system.vertices.B: is missing"),
+    ("system: {vertices: {}, attained: maybe}\nfilter: {}\n", "is missing"),
+    ("system:\n  states: x\ncertify: {}\n", "system.states"),
+    ("system:\n  states: [sin]\ncertify: {}\n", "system.states"),
+    ("system:\n  states: [x]\n  box: {x: [1, 0]}\ncertify: {}\n", "system.box.x"),
+    ("system:\n  states: [x]\n  box: {y: [1, 0]}\ncertify: {}\n", "system.box.y: is no key here"),
+    (f"system:\n  {FORMULAS}\n  terms: {{x: v}}\n  A: [[x]]\ncertify: {{}}\n", "no name that is free"),
+    (f"system:\n  {FORMULAS}\n  terms: {{s: x^2}}\n  A: [[0, 1], [x, -1]]\ncertify: {{}}\n", "'x' is no name here"),
+    (f"system:\n  {FORMULAS}\n  terms: {{s: x^2}}\n  A: [0, 1]\ncertify: {{}}\n", "must be a matrix"),
+    (f"system:\n  {FORMULAS}\n  terms: {{s: x^2}}\n  A: [[0, 1], [s^2, 1]]\ncertify: {{}}\n", "affine in the terms"),
+    (f"system:\n  {FORMULAS}\n  terms: {{s: x^2}}\n  weights: [1]\n  A: [[1]]\ncertify: {{}}\n", "follows from terms"),
+    (f"system:\n  {FORMULAS}\n  A: [[-1, 0], [0, -1]]\n  weights: [1]\n  vertices: {{A: 1}}\ncertify: {{}}\n", "list"),
+    (
+        f"system:\n  {FORMULAS}\n  A: [[-1, 0], [0, -1]]\n  weights: [1]\n  vertices: {{A: [[[-1, 0], [0, -2]]]}}\n"
+        "certify: {}\n",
+        "do not mix",
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "named"), FAILURES)
+def test_wrong_specifications_are_named_and_end_with_two(text, named, tmp_path, capsys) -> None:
+    spec = write_spec(tmp_path, text)
+    commands = [name for name in ("design", "certify") if ("certify" in text) == (name == "certify")]
+    assert main([commands[0], spec, "--out", str(tmp_path / "out")]) == 2
+    assert named in capsys.readouterr().err
+
+
+MAPPED = f"""system:
+  {FORMULAS}
+  terms: {{square: x^2}}
+  A: [[0, 1], [-1 - a*square, -1]]
+map:
+"""
+
+
+@pytest.mark.parametrize(
+    ("asked", "named"),
+    [
+        ("  theorems: [2.1]", "map.parameters: is missing"),
+        ("  theorems: [2.1]\n  parameters: {}", "at least one parameter"),
+        ("  theorems: [2.1]\n  parameters: {a: {low: 1, high: 0, count: 3}}", "map.parameters.a.high"),
+        ("  theorems: [2.1]\n  parameters: {a: {low: 0, high: 1, count: 1.5}}", "map.parameters.a.count"),
+        ("  theorems: [2.1]\n  parameters: {x: {low: 0, high: 1, count: 2}}", "share a name"),
+        ("  theorems: 2.1\n  parameters: {a: {low: 0, high: 1, count: 2}}", "map.theorems"),
+        ("  theorems: [2.1]\n  parameters: {a b: {low: 0, high: 1, count: 2}}", "is no name"),
+    ],
+)
+def test_wrong_maps_are_named(asked, named, tmp_path, capsys) -> None:
+    assert answer(tmp_path, "map", MAPPED + asked + "\n") == 2
+    assert named in capsys.readouterr().err
+
+
+def test_a_map_over_one_parameter_counts_verdicts_and_goes_on_from_its_file(tmp_path, capsys) -> None:
+    text = MAPPED + "  theorems: [2.1, 2.3]\n  parameters: {a: {low: 0.1, high: 0.4, count: 5}}\n"
+    for _ in range(2):
+        assert answer(tmp_path, "map", text) == 0
+    rows = (tmp_path / "out" / "map.csv").read_text(encoding="utf-8").splitlines()
+    assert rows[0] == "a,theorem 2.1,theorem 2.3" and len(rows) == 6
+    assert rows[1] == "0.1,proven,proven"
+    assert main(["map", write_spec(tmp_path, text), "--out", str(tmp_path / "out"), "--workers", "0"]) == 2
+
+
+def test_files_that_are_not_there_or_too_large_end_with_two(tmp_path, capsys) -> None:
+    assert main(["design", str(tmp_path / "none.yaml")]) == 2
+    assert "examples are" in capsys.readouterr().err
+    assert main(["design", write_spec(tmp_path, "#" * 1_000_001)]) == 2
+
+
+def test_a_command_without_arguments_ends_with_two_and_help_with_zero(capsys) -> None:
+    for arguments, code in (([], 2), (["--help"], 0)):
+        with pytest.raises(SystemExit) as ended:
+            run("design", arguments)
+        assert ended.value.code == code
+    assert "SPEC.yaml" in capsys.readouterr().out
+
+
+def test_a_drawing_without_matplotlib_is_said_and_all_else_is_written(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    assert answer(tmp_path, "certify", f"system: {STABLE}\ncertify: {{}}\n") == 0
+    assert "no plot" in capsys.readouterr().out
+    monkeypatch.setitem(sys.modules, "yaml", None)
+    assert answer(tmp_path, "certify", f"system: {STABLE}\ncertify: {{}}\n") == 2
+
+
+def test_designs_from_files_equal_those_from_the_library(tmp_path) -> None:
+    from robust_core.observers import design_observer
+
+    assert main(["design", "vibration_observer.yaml", "--out", str(tmp_path)]) == 0
+    loaded = load_design(tmp_path / "design.json")
+    again = design_observer(loaded.certificate.model, 80.0)  # type: ignore[arg-type]
+    assert np.array_equal(loaded.gains["X"], again.observer.matrices(loaded.certificate.model)["X"])  # type: ignore[arg-type]
+
+
+def test_importing_explaining_and_checking_proofs_need_no_solver(tmp_path) -> None:
+    assert main(["design", "vibration_observer.yaml", "--out", str(tmp_path)]) == 0
+    program = """
+import sys
+import robust_core
+light = {"numpy", "scipy", "clarabel", "casadi", "cvxpy", "matplotlib", "yaml"} & set(sys.modules)
+assert not light, light
+import robust_core.certificates, robust_core.plants.chua, robust_core.models, robust_core.theorems
+from robust_core.command_line.main import main
+assert main(["explain", "example_map.yaml"]) == 0
+assert main(["certify", sys.argv[1]]) == 0
+heavy = {"scipy", "clarabel", "casadi", "cvxpy", "matplotlib"} & set(sys.modules)
+assert not heavy, heavy
+"""
+    path = os.pathsep.join(entry for entry in sys.path if entry)
+    command = [sys.executable, "-c", program, str(tmp_path / "design.json")]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env={**os.environ, "PYTHONPATH": path})
