@@ -2,7 +2,9 @@
 
 Processor load is that of all nodes, simulator and recorder included, while the robot is commanded: processor
 seconds per simulated second, so that a machine too busy for real time does not flatter it. The bringup that
-watches is stated apart. Three runs, the real-time ones with the default grouping and with one process per node.
+watches is stated apart. Latency is the wall time from the publication of the clock at the odometry's stamp, sensing
+and estimation included, to that of the command that answers it, by the times that DDS notes at the publishers.
+Three runs, the real-time ones with the default grouping and with one process per node.
 """
 
 import argparse
@@ -14,8 +16,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import rclpy
+from geometry_msgs.msg import TwistStamped
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rosgraph_msgs.msg import Clock
 
-from tracked_report.metrics.timing import latency_metrics, loop_metrics
+from tracked_bringup.domains import run_domain
+from tracked_report.metrics.timing import loop_metrics
 from tracked_report.results import output_folder, write_metrics
 from tracked_report.run_record import RunRecord
 
@@ -26,6 +35,7 @@ SECONDS, QUICK_SECONDS = 20.0, 8.0
 SETTLED_S = 2.0  # after the first command
 SAMPLE_EVERY_S = 0.2
 LIMIT_S = 180.0
+QUEUE = 2000  # more than comes between two samples
 TICKS_PER_SECOND = os.sysconf("SC_CLK_TCK")
 
 
@@ -62,23 +72,70 @@ def children(pid: int) -> dict[str, int]:
     return found
 
 
-def run(name: str, *arguments: str) -> tuple[RunRecord, list[Load]]:
-    """One run of the bringup, its load sampled all the while; raises RuntimeError with its output if it fails."""
+class Stopwatch:
+    """Hears clock and commands of a run, taken without an executor, which would cost more than the measurement."""
+
+    def __init__(self, domain: int) -> None:
+        self._context = Context()
+        rclpy.init(args=[], context=self._context, domain_id=domain)
+        self._node = Node("stopwatch", context=self._context, start_parameter_services=False)
+        create = self._node.create_subscription
+        self._clock = create(Clock, "clock", lambda _: None, QoSProfile(depth=QUEUE))
+        self._command = create(TwistStamped, "cmd_vel", lambda _: None, QoSProfile(depth=QUEUE))
+        self._clock_ns: dict[int, int] = {}
+        self._command_ns: dict[int, int] = {}
+
+    def close(self) -> None:
+        """Leave the graph."""
+        self._node.destroy_node()
+        rclpy.shutdown(context=self._context)
+
+    def refresh(self) -> None:
+        """Take what has come: physical stamp -> time of publication."""
+        for subscription, published in ((self._clock, self._clock_ns), (self._command, self._command_ns)):
+            with subscription.handle:
+                while (taken := subscription.handle.take_message(subscription.msg_type, False)) is not None:
+                    message, information = taken
+                    stamp = message.clock if subscription is self._clock else message.header.stamp
+                    published.setdefault(stamp.sec * 10**9 + stamp.nanosec, information["source_timestamp"])
+
+    def latencies_ms(self) -> np.ndarray:
+        """From each instant to the command that answers it, once everything has settled."""
+        begin_ns = min(self._command_ns) + int(SETTLED_S * 1e9)
+        answered = [stamp for stamp in self._command_ns if stamp >= begin_ns and stamp in self._clock_ns]
+        return np.array([self._command_ns[stamp] - self._clock_ns[stamp] for stamp in answered]) * 1e-6
+
+
+def run(name: str, *arguments: str) -> tuple[RunRecord, list[Load], np.ndarray]:
+    """One run of the bringup, its load sampled all the while, and its latencies (ms).
+
+    Raises
+    ------
+    RuntimeError: with the output of the bringup, if it fails.
+    """
     command = [str(ROOT / "run"), "bringup", "track", *arguments, "--name", f"graph_{name}"]
     loads: list[Load] = []
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
-        deadline_s = time.monotonic() + LIMIT_S
-        while process.poll() is None:
-            pids = children(process.pid)
-            used = {node: processor_s(pid) for node, pid in pids.items()}
-            loads.append(Load(time.monotonic(), used, processor_s(process.pid)))
-            time.sleep(SAMPLE_EVERY_S)
-            if time.monotonic() > deadline_s:
-                process.send_signal(signal.SIGINT)
-        output = process.stdout.read() if process.stdout else ""
+    with run_domain() as domain:
+        stopwatch = Stopwatch(domain)
+        environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+        with subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment
+        ) as process:
+            deadline_s = time.monotonic() + LIMIT_S
+            while process.poll() is None:
+                pids = children(process.pid)
+                used = {node: processor_s(pid) for node, pid in pids.items()}
+                loads.append(Load(time.monotonic(), used, processor_s(process.pid)))
+                stopwatch.refresh()
+                time.sleep(SAMPLE_EVERY_S)
+                if time.monotonic() > deadline_s:
+                    process.send_signal(signal.SIGINT)
+            output = process.stdout.read() if process.stdout else ""
+        latencies_ms = stopwatch.latencies_ms()
+        stopwatch.close()
     if process.returncode:
         raise RuntimeError(f"{' '.join(command)} ended with {process.returncode}:\n{output}")
-    return RunRecord.load(output_folder() / f"graph_{name}" / "double.npz"), loads
+    return RunRecord.load(output_folder() / f"graph_{name}" / "double.npz"), loads, latencies_ms
 
 
 def window(record: RunRecord, loads: list[Load]) -> tuple[Load, Load]:
@@ -112,15 +169,17 @@ def main() -> None:
     common = (f"duration_s:={seconds}", f"seed:={SEED}", "world:=step", "reference.parameters:={length_m: 6.0}")
     values: dict[str, float] = {}
     for grouping, label in (("default", "grouped"), ("separate", "one_per_node")):
-        record, loads = run(label, *common, "time:=paced", "--grouping", grouping)
+        record, loads, latencies_ms = run(label, *common, "time:=paced", "--grouping", grouping)
         nodes, bringup = cores(record, loads)
         values[f"graph.cores_{label}"] = sum(nodes.values())
         values[f"graph.{label}.cores_bringup"] = bringup
         values |= {f"graph.{label}.cores_{name}": load for name, load in nodes.items()}
         values[f"graph.{label}.real_time_factor"] = real_time_factor(record)
-        for sheet in (loop_metrics(record, "lower_status", "lower"), latency_metrics(record)):
-            values |= {f"graph.{label}.{key}": value for key, value in sheet.values.items()}
-    record, _ = run("lock_step", *common, "time:=lock_step")
+        values[f"graph.{label}.odometry_to_command_median_ms"] = float(np.median(latencies_ms))
+        values[f"graph.{label}.odometry_to_command_p99_ms"] = float(np.percentile(latencies_ms, 99))
+        ticks = loop_metrics(record, "lower_status", "lower").values
+        values |= {f"graph.{label}.{key}": value for key, value in ticks.items()}
+    record, _, _ = run("lock_step", *common, "time:=lock_step")
     values["graph.lock_step_real_time_factor"] = real_time_factor(record)
     values["graph.lock_step.lower_missed_percent"] = loop_metrics(record, "lower_status", "lower").values[
         "lower_missed_percent"
