@@ -7,6 +7,7 @@ from nmpc_layers.drive_limits import DriveLimits
 from nmpc_layers.layer_weights import METHODS, load_weights
 from nmpc_layers.solver import Weights
 from tracked_description import Robot
+from tracked_types import PIPELINE_LATENCY_S, PLAN_RATE_HZ
 from tracked_types.setting import check_settings, setting
 
 
@@ -31,9 +32,13 @@ class LowerSettings:
         "box: limits of speed and yaw rate; tracks: also of both belts and of the commands' change",
         choices=("box", "tracks"),
     )
-    plan_rate_hz: int = setting(5, "plans per second of the upper layer", low=1, high=30)
+    plan_rate_hz: int = setting(PLAN_RATE_HZ, "plans per second of the upper layer", low=1, high=30)
     pipeline_latency_s: float = setting(
-        0.1, "latency of the upper layer's plans; waiting in lock-step counts with it", unit="s", low=0.0, high=1.0
+        PIPELINE_LATENCY_S,
+        "latency of the upper layer's plans; waiting in lock-step counts with it",
+        unit="s",
+        low=0.0,
+        high=1.0,
     )
     plan_timeout_s: float = setting(
         0.6, "a plan stamped longer ago than this is missing", unit="s", low=0.05, high=10.0

@@ -9,6 +9,7 @@ from nmpc_layers.layer_weights import METHODS, load_weights
 from nmpc_layers.manoeuvre import ManoeuvreRates
 from nmpc_layers.solver import Weights
 from tracked_description import Robot
+from tracked_types import PIPELINE_LATENCY_S, PLAN_RATE_HZ
 from tracked_types.setting import check_settings, setting
 
 
@@ -32,10 +33,12 @@ class UpperSettings:
         "double: publish trajectories for the lower layer; single: command the base from this layer alone",
         choices=("double", "single"),
     )
-    rate_hz: int = setting(5, "plans per second; also the inverse of the step of the horizon", low=1, high=30)
+    rate_hz: int = setting(
+        PLAN_RATE_HZ, "plans per second; also the inverse of the step of the horizon", low=1, high=30
+    )
     horizon: int = setting(10, "steps of the horizon", low=2, high=120)
     pipeline_latency_s: float = setting(
-        0.1,
+        PIPELINE_LATENCY_S,
         "a plan made from the odometry of one instant takes effect this much later: the processing time of mapping "
         "and planning that the layer waits for",
         unit="s",

@@ -1,8 +1,12 @@
+from importlib import resources
+
+import pytest
 import yaml
 
 from tracked_bringup.graph_plan import GraphPlan, plan_graph
 from tracked_bringup.node_table import load_node_table
 from tracked_bringup.scenarios import load_scenario
+from tracked_types.checked_yaml import CheckedFileError
 
 TABLE = load_node_table()
 
@@ -58,6 +62,8 @@ def test_lock_step_knows_when_the_first_command_comes() -> None:
     for latency_s, expected_s in ((0.0, 0.2), (0.1, 0.3), (0.11, 1.0 / 3.0)):
         simulator = parameters(plan("compare", "double", f"pipeline_latency_s:={latency_s}"), "sim_bridge")
         assert abs(simulator["first_command_s"] - expected_s) < 1e-8  # type: ignore[operator]
+    simulator = parameters(plan("compare", "double", "upper_nmpc.rate_hz:=10"), "sim_bridge")
+    assert abs(simulator["first_command_s"] - 0.2) < 1e-8  # type: ignore[operator]
     assert "first_command_s" not in parameters(plan("idle"), "sim_bridge")
 
 
@@ -74,6 +80,15 @@ def test_sensors_are_heard_without_loss_where_they_are_simulated() -> None:
     for node in ("ekf", "recorder"):
         assert parameters(simulated, node)["reliable_sensors"] is True
         assert "reliable_sensors" not in parameters(real, node)
+
+
+def test_every_node_gets_the_robot_of_the_scenario() -> None:
+    packaged = resources.files("tracked_description") / "data" / "robot.yaml"
+    graph = plan("compare", "double", f"robot:={packaged}")
+    assert {node.parameters["robot_file"] for node in graph.nodes} == {str(packaged)}
+    assert all("robot_file" not in node.parameters for node in plan().nodes)
+    with pytest.raises(CheckedFileError, match="cannot be read"):
+        plan("compare", "double", "robot:=no_robot.yaml")
 
 
 def test_time_waits_until_the_graph_is_complete() -> None:

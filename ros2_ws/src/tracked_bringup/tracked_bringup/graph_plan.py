@@ -13,7 +13,6 @@ from tracked_report.node_parameters import node_parameters
 from tracked_report.scenario import Scenario
 from tracked_types import PeriodGrid, to_nanoseconds
 
-_PLAN_RATE_HZ = 5
 Grouping = Literal["default", "separate"]
 # Simulated time stands still until every endpoint is matched, so that no first sample is lost, and no later one may
 # be lost either. The sensors of a robot are often best effort, which a reliable subscription would not hear.
@@ -123,10 +122,13 @@ def plan_graph(
     Raises
     ------
     KeyError: for an unknown variant.
+    CheckedFileError: if the scenario's robot file cannot be used.
     """
     namespace = namespace.strip("/")
     names = [name for name in table.nodes if _takes_part(name, scenario, variant)]
     common: dict[str, Value] = {"use_sim_time": True} if "sim_bridge" in names else {}
+    if scenario.robot:
+        common["robot_file"] = str(Path(scenario.robot).resolve())
     if namespace:
         common["frame_prefix"] = f"{namespace}/"
     layers: list[Mapping[str, Mapping[str, Value]]] = [
@@ -149,13 +151,14 @@ def plan_graph(
 def _first_command(scenario: Scenario, variant: str) -> dict[str, dict[str, Value]]:
     """When the simulator may expect the first command, so that every lock-step run starts alike.
 
-    A plan is made at the first 5 Hz instant after time zero, and takes effect a latency later.
+    A plan is made at the first of its instants after time zero, and takes effect a latency later.
     """
     if scenario.time != "lock_step" or scenario.reference is None:
         return {}
-    latency_s = node_parameters(scenario, variant)["upper_nmpc"]["pipeline_latency_s"]
-    effective_ns = PeriodGrid(_PLAN_RATE_HZ).stamp_ns(1) + to_nanoseconds(float(str(latency_s)))
-    control = PeriodGrid(load_robot().control.rate_hz)
+    planner = node_parameters(scenario, variant)["upper_nmpc"]
+    rate_hz, latency_s = int(str(planner["rate_hz"])), float(str(planner["pipeline_latency_s"]))
+    effective_ns = PeriodGrid(rate_hz).stamp_ns(1) + to_nanoseconds(latency_s)
+    control = PeriodGrid(load_robot(scenario.robot).control.rate_hz)
     return {"sim_bridge": {"first_command_s": control.stamp_ns(control.index_at(effective_ns - 1) + 1) * 1e-9}}
 
 

@@ -4,7 +4,6 @@ from collections.abc import Iterable
 
 from tracked_description import load_robot
 from tracked_report.describe_run import describe_run
-from tracked_report.node_parameters import node_parameters
 from tracked_report.run_record import RunMeta
 from tracked_report.scenario import Scenario
 from tracked_types import Outline
@@ -18,9 +17,7 @@ def run_meta(scenario: Scenario, variant: str, *, simulated: bool) -> RunMeta:
     KeyError: for an unknown variant.
     CheckedFileError: if the robot file or, where it is ``simulated``, the world cannot be used.
     """
-    robot_file = node_parameters(scenario, variant)["sim_bridge"].get("robot_file", "")
-    robot = load_robot(str(robot_file))
-    return describe_run(scenario, variant, robot, _scene(scenario.world) if simulated else ())
+    return describe_run(scenario, variant, load_robot(scenario.robot), _scene(scenario.world) if simulated else ())
 
 
 def _scene(world: str) -> Iterable[Outline]:

@@ -35,7 +35,7 @@ def drive(
     KeyError: for an unknown variant.
     UnknownParameterError, CheckedFileError, ValueError: if the scenario asks for what does not exist.
     """
-    robot = robot or load_robot()
+    robot = robot or load_robot(scenario.robot)
     parameters = node_parameters(scenario, variant)
     stack = Stack(robot, parameters)
     simulator = make_simulator(robot, parameters.get("sim_bridge", {}))

@@ -10,6 +10,7 @@ from tracked_navigation.legs import placed, sample_times
 from tracked_navigation.reference import NamedTrajectory
 from tracked_types import (
     NANOSECONDS_PER_SECOND,
+    PLAN_RATE_HZ,
     GoalReached,
     Odometry,
     PeriodGrid,
@@ -22,7 +23,6 @@ from tracked_types import (
 )
 from tracked_types.setting import check_settings, setting
 
-REFERENCE_RATE_HZ = 5
 _CLOSURE_M = 0.01
 _CLOSURE_RAD = 0.01
 
@@ -50,6 +50,9 @@ class PlayerSettings:
     start_delay_s: float = setting(
         1.0, "least time at rest before the trajectory starts, at a whole second", unit="s", low=0.0, high=60.0
     )
+    rate_hz: int = setting(
+        PLAN_RATE_HZ, "pieces of reference per second: one for each plan of the upper layer", low=1, high=30
+    )
     horizon_s: float = setting(3.0, "length of one piece of reference", unit="s", low=0.2, high=60.0)
     spacing_s: float = setting(0.05, "time between two points of a piece", unit="s", low=0.01, high=1.0)
     loop: bool = setting(False, "start over at the end; the trajectory must end where it starts")
@@ -72,7 +75,7 @@ class PlayerSettings:
 
 @dataclass(frozen=True, slots=True)
 class PlayerOutput:
-    """What one odometry brought about: a piece of reference at 5 Hz instants, the arrival once."""
+    """What one odometry brought about: a piece of reference at the instants of its grid, the arrival once."""
 
     reference: Trajectory | None = None
     reached: GoalReached | None = None
@@ -81,7 +84,7 @@ class PlayerOutput:
 class TrajectoryPlayer:
     """Hands out a trajectory in pieces, on the stamps of the odometry.
 
-    A piece starts at a 5 Hz instant and is stamped with it, the first one at the instant before the first
+    A piece starts at an instant of the grid and is stamped with it, the first one at the instant before the first
     odometry; its points lie on one grid with those of the
     pieces before and after, so whoever interpolates gets the same reference from any of them. Before the
     start the start pose is held, after the end the final pose, both with zero inputs. The start is a whole
@@ -100,7 +103,7 @@ class TrajectoryPlayer:
         self._shape = reference.trajectory
         if settings.loop:
             _check_closed(reference)
-        self._grid = PeriodGrid(REFERENCE_RATE_HZ)
+        self._grid = PeriodGrid(settings.rate_hz)
         count = math.floor(settings.horizon_s / settings.spacing_s + 1e-9) + 1
         self._offsets_s = sample_times(count, settings.spacing_s)
         self.restart()

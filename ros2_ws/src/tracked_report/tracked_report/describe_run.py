@@ -5,6 +5,7 @@ from datetime import UTC, datetime
 
 from tracked_description import Robot
 from tracked_report.machine import describe_machine, git_commit, package_versions
+from tracked_report.node_parameters import node_parameters
 from tracked_report.run_record import CommandLimits, RunMeta
 from tracked_report.scenario import Scenario
 from tracked_types import Outline
@@ -31,7 +32,7 @@ def describe_run(scenario: Scenario, variant: str, robot: Robot, scene: Iterable
         world=scenario.world,
         time=scenario.time,
         suspension=scenario.suspension_of(variant) or robot.suspension.kind,
-        pipeline_latency_s=scenario.pipeline_latency_s,
+        pipeline_latency_s=float(str(node_parameters(scenario, variant)["upper_nmpc"]["pipeline_latency_s"])),
         limits=CommandLimits(
             speed_min_mps=robot.limits.speed_min_mps,
             speed_max_mps=robot.limits.speed_max_mps,

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from tracked_types import PIPELINE_LATENCY_S, PLAN_RATE_HZ
 from tracked_types.checked_yaml import CheckedModel, ReadableFile, load_checked_yaml
 
 Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
@@ -72,7 +73,7 @@ class Fault(CheckedModel):
 
 
 class Scenario(CheckedModel):
-    """Everything a run needs besides the robot.
+    """Everything a run needs; ``robot`` is the path of a robot file, or empty for the packaged one.
 
     Errors name the offending key (``variants.double.layers``). ``world``, ``start`` and ``reference.shape``
     are names that their owners (simulator, trajectory player) resolve.
@@ -80,6 +81,7 @@ class Scenario(CheckedModel):
 
     name: Name
     description: str = ""
+    robot: str = ""
     world: Annotated[str, Field(min_length=1)]
     start: Start = "default"
     seed: Annotated[int, Field(ge=0, lt=2**32)] = 1
@@ -87,7 +89,8 @@ class Scenario(CheckedModel):
     reference: Reference | None = None
     suspension: Literal["qzs", "linear", "locked"] | None = None
     time: Literal["lock_step", "paced", "unpaced"] = "lock_step"
-    pipeline_latency_s: Annotated[float, Field(ge=0.0, le=1.0, allow_inf_nan=False)] = 0.0
+    plan_rate_hz: Annotated[int, Field(ge=1, le=30)] = PLAN_RATE_HZ
+    pipeline_latency_s: Annotated[float, Field(ge=0.0, le=1.0, allow_inf_nan=False)] = PIPELINE_LATENCY_S
     nodes: dict[Name, bool] = Field(default_factory=dict)
     parameters: Parameters = Field(default_factory=dict)
     faults: tuple[Fault, ...] = ()

@@ -13,6 +13,7 @@ from tracked_types.imu import ImuSample
 from tracked_types.odometry import Odometry
 from tracked_types.outline import Outline, OutlineKind
 from tracked_types.period_grid import PeriodGrid
+from tracked_types.plan_timing import PIPELINE_LATENCY_S, PLAN_RATE_HZ
 from tracked_types.pose import Pose2
 from tracked_types.scan import LaserScan
 from tracked_types.setting import check_settings, setting, settings_of
@@ -27,6 +28,8 @@ from tracked_types.twist import Twist2
 __all__ = [
     "LEFT_TRACK",
     "NANOSECONDS_PER_SECOND",
+    "PIPELINE_LATENCY_S",
+    "PLAN_RATE_HZ",
     "RIGHT_TRACK",
     "BodyState",
     "GoalReached",
