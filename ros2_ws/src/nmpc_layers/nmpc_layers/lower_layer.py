@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nmpc_layers.creep import without_creep
 from nmpc_layers.lower_problem import make_problem
 from nmpc_layers.lower_settings import LowerSettings
 from nmpc_layers.plan_shapes import as_trajectory, step_times
@@ -136,7 +137,7 @@ class LowerLayer:
             solution = self._solve(problem, index, stamp_ns)
             reason = "" if solution.converged else solution.outcome.value
         if solution is not None and solution.converged:
-            twist = Twist2(*solution.commands[0].tolist())
+            twist = without_creep(Twist2(*solution.commands[0].tolist()))
             self._ramp.accept(twist)
             prediction = self._prediction(odometry, solution)
             reason = slip_reason

@@ -50,7 +50,7 @@ class PrintedProblem:
 class ImprovedProblem:
     """Belts that lag, a horizon that starts where this tick's command reaches the motors, consistent targets.
 
-    The state is predicted there with the commands already on their way. The slip that `yaw_efficiency`
+    The state is predicted there with the commands already on their way. The slip that `yaw_ratio`
     does not explain is added; targets are the plan's ground motion less the slip, so that input weights
     do not work against the compensation (erratum 5.2.12).
     """
@@ -99,7 +99,7 @@ class ImprovedProblem:
         settings, twist = self._settings, odometry.twist
         if slip is None:
             return GroundModel(lag_s=settings.motor_lag_s), twist
-        efficiency = settings.yaw_efficiency
+        efficiency = settings.yaw_ratio
         if not slip.known:
             ground = GroundModel(yaw_efficiency=efficiency, lag_s=settings.motor_lag_s)
             return ground, Twist2(twist.speed_mps, twist.yaw_rate_radps / efficiency)

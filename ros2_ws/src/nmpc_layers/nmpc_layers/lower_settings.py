@@ -13,11 +13,16 @@ from tracked_types.setting import check_settings, setting
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LowerSettings:
-    """What the lower layer knows of the robot, and what may be tuned."""
+    """What the lower layer knows of the robot, and what may be tuned.
+
+    yaw_ratio: ground yaw rate per belt yaw rate, of method improved: to expect before slip is measured, and of
+    changes of the command.
+    """
 
     limits: DriveLimits
     transport_delay_s: float
     motor_lag_s: float
+    yaw_ratio: float
     rate_hz: int
     weights: Weights
 
@@ -51,12 +56,6 @@ class LowerSettings:
         False,
         "improved: compensate the forward part of the slip too; of use only where the odometry's pose accounts for it",
     )
-    yaw_efficiency: float = setting(
-        0.8,
-        "improved: ground yaw rate per belt yaw rate to expect before slip is measured, and of changes of the command",
-        low=0.3,
-        high=1.2,
-    )
     hold_s: float = setting(0.1, "how long the last good command is held before braking", unit="s", low=0.0, high=1.0)
     weights_file: str = setting("", "YAML file of weights; empty: the packaged one")
     compile_solver: bool = setting(True, "compile the solver with the system's C compiler")
@@ -83,6 +82,7 @@ class LowerSettings:
             limits=DriveLimits.from_robot(robot),
             transport_delay_s=robot.control.transport_delay_s,
             motor_lag_s=robot.tracks.motor_time_constant_s,
+            yaw_ratio=robot.tracks.yaw_ratio,
             rate_hz=robot.control.rate_hz,
             weights=weights,
             **tuning,

@@ -27,8 +27,8 @@ def weaving() -> Trajectory:
 
 def rms_heading_error(robot, method) -> float:
     """Of a slip-free robot that starts on the path and answers 40 ms late with a lag of 60 ms."""
-    tuned = LowerSettings.from_robot(robot, method=method, plan_timeout_s=10.0, yaw_efficiency=1.0)
-    settings = replace(tuned, weights=WEIGHTS)
+    tuned = LowerSettings.from_robot(robot, method=method, plan_timeout_s=10.0)
+    settings = replace(tuned, weights=WEIGHTS, yaw_ratio=1.0)
     layer, plan = LowerLayer(settings), weaving()
     layer.set_plan(plan)
     delay_ns, ground = to_nanoseconds(robot.control.transport_delay_s), GroundModel(lag_s=0.06)

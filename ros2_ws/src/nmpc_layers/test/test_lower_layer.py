@@ -137,9 +137,9 @@ def test_measured_yaw_slip_is_countered(layer_with, odometry_at, slip_at, straig
     assert command.twist.yaw_rate_radps > 0.05
 
 
-def test_improved_target_moves_with_the_slip_to_full_compensation(layer_with, odometry_at, slip_at, straight):
+def test_improved_target_moves_with_the_slip_to_full_compensation(robot, odometry_at, slip_at, straight):
     """In steady motion along the plan the belts turn against the slip at exactly its rate."""
-    layer = layer_with(yaw_efficiency=1.0)
+    layer = LowerLayer(replace(LowerSettings.from_robot(robot), yaw_ratio=1.0))
     layer.set_plan(straight(0.2))
     layer.set_slip(slip_at(0.2, yaw_rate=-0.3))
     for index in range(12):

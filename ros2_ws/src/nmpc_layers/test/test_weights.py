@@ -82,7 +82,6 @@ def test_weights_refuse_by_name():
         (UpperSettings, {"rate_hz": 7}),
         (UpperSettings, {"pipeline_latency_s": float("nan")}),
         (LowerSettings, {"horizon": 1}),
-        (LowerSettings, {"yaw_efficiency": 0.0}),
         (LowerSettings, {"plan_timeout_s": 0.25}),
         (LowerSettings, {"slip_compensation": 1}),
     ],

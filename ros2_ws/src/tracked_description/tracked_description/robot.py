@@ -31,6 +31,7 @@ class Tracks(CheckedModel):
     motor_time_constant_s: Positive
     acceleration_limit_mps2: Positive
     force_limit_n: Positive
+    yaw_ratio: Annotated[float, Field(ge=0.1, le=1.0)]
 
     @model_validator(mode="after")
     def _idlers_are_outside(self) -> "Tracks":

@@ -18,7 +18,7 @@ def test_slip_settings_given_are_used(robot):
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("patience_s", -0.1), ("silence_s", float("nan")), ("stuck_samples", -1), ("belt_yaw_ratio", 2.0)],
+    [("patience_s", -0.1), ("silence_s", float("nan")), ("stuck_samples", -1), ("belt_yaw_ratio_deviation", 2.0)],
 )
 def test_value_out_of_range_is_named(robot, name, value):
     with pytest.raises(ValueError, match=name):

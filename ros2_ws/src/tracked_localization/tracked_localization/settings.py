@@ -13,14 +13,14 @@ from tracked_types.setting import check_settings, setting
 class OdometryFilterSettings:
     """What the odometry filter knows of the robot, and what may be tuned.
 
+    belt_yaw_ratio: yaw rate over ground per yaw rate of the belts, used only while the gyro fails.
     imu_up_axis: (3,) the base's upward axis, seen from the IMU. The rates are those of ``robot.yaml``.
     """
 
     slip: SlipSettings
     odom_frame: str
     base_frame: str
-    gauge_m: float
-    encoder_tick_m: float
+    belt_yaw_ratio: float
     belt_speed_limit_mps: float
     belt_acceleration_mps2: float
     yaw_rate_limit_radps: float
@@ -79,13 +79,22 @@ class OdometryFilterSettings:
         0.004, "turn that a stopping robot may still make on its belts (one sigma)", unit="rad", low=0.0, high=0.1
     )
     slip_correlation_s: float = setting(0.5, "time over which unseen slip stays alike", unit="s", low=0.01, high=60.0)
-    belt_yaw_ratio: float = setting(
-        0.82, "yaw rate of the body per yaw rate of the belts, used only while the gyro fails", low=0.1, high=1.0
+    belt_yaw_ratio_deviation: float = setting(
+        0.2, "uncertainty of the robot's yaw rate over ground per yaw rate of the belts (one sigma)", low=0.01, high=1.0
     )
-    belt_yaw_ratio_deviation: float = setting(0.2, "uncertainty of that ratio (one sigma)", low=0.01, high=1.0)
 
     def __post_init__(self) -> None:
         check_settings(self)
+
+    @property
+    def gauge_m(self) -> float:
+        """Distance of the tracks' centre lines."""
+        return self.slip.gauge_m
+
+    @property
+    def encoder_tick_m(self) -> float:
+        """Belt travel per encoder count."""
+        return self.slip.encoder_tick_m
 
     @property
     def body_yaw_acceleration_radps2(self) -> float:
@@ -105,8 +114,7 @@ class OdometryFilterSettings:
             slip=slip or SlipSettings.from_robot(robot),
             odom_frame=robot.frames.odom,
             base_frame=robot.frames.base_footprint,
-            gauge_m=robot.tracks.gauge_m,
-            encoder_tick_m=robot.tracks.encoder_tick_m,
+            belt_yaw_ratio=robot.tracks.yaw_ratio,
             belt_speed_limit_mps=robot.tracks.speed_limit_mps,
             belt_acceleration_mps2=robot.tracks.acceleration_limit_mps2,
             yaw_rate_limit_radps=robot.limits.yaw_rate_max_radps,
