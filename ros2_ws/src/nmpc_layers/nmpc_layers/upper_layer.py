@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from nmpc_layers.creep import without_creep
 from nmpc_layers.goal_approach import GoalApproach, resting_pose
 from nmpc_layers.plan_queue import Plan, PlanQueue
 from nmpc_layers.plan_shapes import as_trajectory, continuous_headings, step_times, stopping
@@ -118,7 +119,7 @@ class UpperLayer:
             solution = self._solve(self._problem(odometry, reference), odometry.stamp_ns)
             reason = "" if solution.converged else solution.outcome.value
         if solution is not None and solution.converged:
-            twist = Twist2(*solution.commands[0].tolist())
+            twist = without_creep(Twist2(*solution.commands[0].tolist()))
             self._plans.add(Plan(effective_ns, self._as_trajectory(odometry, solution), twist))
         elif reference is not None and _is_finite(odometry):
             self._plans.add(Plan(effective_ns, self._stopping(odometry), None))
