@@ -82,7 +82,7 @@ class TracksCorruption:
 
     def apply(self, sample: TrackSample, disturbance: Disturbance) -> TrackSample:
         """See `Corruption`."""
-        left_speed, right_speed = sample.left_speed_mps, sample.right_speed_mps
+        left_speed, right_speed = sample.left_speed_mps or 0.0, sample.right_speed_mps or 0.0
         if disturbance.frozen:
             self._left_offset_m -= left_speed / self._rate_hz
             self._right_offset_m -= right_speed / self._rate_hz

@@ -1,5 +1,6 @@
 """The channels a drive records: one table of names, columns and meaning, and how typed values become rows."""
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -48,8 +49,8 @@ def _slip(slip: Slip) -> Iterable[Row]:
 
 
 def _tracks(sample: TrackSample) -> Iterable[Row]:
-    travel = (sample.left_travel_m, sample.right_travel_m)
-    yield sample.stamp_ns, (*travel, sample.left_speed_mps, sample.right_speed_mps)
+    speeds = (math.nan if speed is None else speed for speed in (sample.left_speed_mps, sample.right_speed_mps))
+    yield sample.stamp_ns, (sample.left_travel_m, sample.right_travel_m, *speeds)
 
 
 def _points(trajectory: Trajectory) -> Iterable[Row]:
