@@ -23,12 +23,14 @@ from sensor_msgs.msg import Imu, JointState
 from sensor_msgs.msg import LaserScan as LaserScanMessage
 from std_msgs.msg import Bool, String
 from tracked_interfaces.msg import GoalReached as GoalReachedMessage
-from tracked_interfaces.msg import SlipEstimate
+from tracked_interfaces.msg import SafetyState, SlipEstimate
 from tracked_interfaces.msg import SolverStatus as SolverStatusMessage
 from tracked_interfaces.msg import Trajectory as TrajectoryMessage
 
 from node_kit import conversions
 from tracked_types import (
+    ArbiterMode,
+    ArbiterState,
     GoalReached,
     ImuSample,
     LaserScan,
@@ -111,6 +113,12 @@ FAMILIES = {
         SolverStatusMessage,
         conversions.solver_status_to_message,
         conversions.solver_status_from_message,
+    ),
+    "safety_state": (
+        ArbiterState(STAMP_NS, ArbiterMode.STOPPING, "nav", "nav silent for 0.2 s"),
+        SafetyState,
+        conversions.safety_state_to_message,
+        conversions.safety_state_from_message,
     ),
     "goal_reached": (
         GoalReached(STAMP_NS, "line", 0.01, -0.02),

@@ -1,6 +1,8 @@
 """Values survive the way into a message and back; messages survive serialisation."""
 
 import math
+from dataclasses import replace
+from enum import Enum
 
 import numpy as np
 import pytest
@@ -28,6 +30,7 @@ FAMILIES = (
     "twist",
     "scan",
     "clock",
+    "safety_state",
     "solver_status",
     "goal_reached",
     "bool",
@@ -51,7 +54,7 @@ def assert_same(actual, expected):
     assert type(actual) is type(expected)
     for name in expected.__dataclass_fields__:
         value, wanted = getattr(actual, name), getattr(expected, name)
-        if isinstance(wanted, str | bool | int):
+        if isinstance(wanted, str | bool | int | Enum):
             assert value == wanted, name
         elif hasattr(wanted, "__dataclass_fields__"):
             assert_same(value, wanted)
@@ -117,3 +120,11 @@ def test_numpy_scalars_reach_the_wire_unharmed():
 
 def test_every_family_is_tested(families):
     assert set(families) == set(FAMILIES)
+
+
+def test_a_driver_may_leave_belt_speeds_out(families):
+    sample, _, to_message, from_message = families["tracks"]
+    without = replace(sample, left_speed_mps=None, right_speed_mps=None)
+    message = to_message(without)
+    assert not len(message.velocity)
+    assert from_message(message) == without

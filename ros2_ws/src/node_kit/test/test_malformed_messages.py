@@ -137,6 +137,7 @@ def spoiled(families, family, *path_and_value):
         ("imu", ("linear_acceleration_covariance", 1, 1.0), "not symmetric: linear_acceleration_covariance"),
         ("tracks", ("name", ["left_track", "wheel"]), "joint right_track occurs 0 times"),
         ("tracks", ("name", ["left_track", "left_track"]), "joint left_track occurs 2 times"),
+        ("safety_state", ("state", 9), "unknown state: 9"),
         ("tracks", ("velocity", array("d", [0.0])), "size of velocity is 1, expected 2"),
         ("tracks", ("position", 1, math.nan), "not finite: position of right_track"),
         ("odometry", ("child_frame_id", ""), "empty frame: child_frame_id"),

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tracked_description import load_robot
-from tracked_safety import SOURCES, ArbiterSettings, CommandArbiter, CommandRefused, Mode
-from tracked_types import PeriodGrid, Twist2, VelocityCommand
+from tracked_safety import SOURCES, ArbiterSettings, CommandArbiter, CommandRefused
+from tracked_types import ArbiterMode, PeriodGrid, Twist2, VelocityCommand
 
 CONTROL = PeriodGrid(30)
 ODOMETRY = PeriodGrid(60)
@@ -44,7 +44,7 @@ def run_silent(arbiter: CommandArbiter, first: int, last: int) -> list[VelocityC
 def test_a_command_passes_in_the_same_call_with_its_stamp() -> None:
     arbiter = CommandArbiter(SETTINGS)
     assert arbiter.offer("nav", command(7)) == command(7)
-    assert arbiter.state.mode is Mode.FORWARDING and arbiter.state.source == "nav"
+    assert arbiter.state.mode is ArbiterMode.FORWARDING and arbiter.state.source == "nav"
 
 
 def test_every_command_of_a_live_source_gives_exactly_one() -> None:
@@ -78,7 +78,7 @@ def test_silence_ramps_to_zero_within_braking_limits_and_stays_there() -> None:
     arbiter = driving()
     assert run_silent(arbiter, 60, 66) == []
     ramp = run_silent(arbiter, 66, 100)
-    assert arbiter.state.mode is Mode.STOPPED and arbiter.state.reason == "nav silent for 0.2 s"
+    assert arbiter.state.mode is ArbiterMode.STOPPED and arbiter.state.reason == "nav silent for 0.2 s"
     speeds = [0.5] + [sent.twist.speed_mps for sent in ramp]
     assert all(0.0 <= a - b <= SETTINGS.limits.braking_mps2 / 30.0 * (1.0 + 1e-6) for a, b in pairwise(speeds))
     assert ramp[-1].twist == Twist2(0.0, 0.0)
@@ -91,13 +91,13 @@ def test_zero_is_kept_up_until_fresh_commands_arrive() -> None:
     run_silent(arbiter, 60, 120)
     assert len(run_silent(arbiter, 120, 150)) == 30
     assert arbiter.offer("nav", command(150)) is not None
-    assert arbiter.state.mode is Mode.FORWARDING and arbiter.state.reason == ""
+    assert arbiter.state.mode is ArbiterMode.FORWARDING and arbiter.state.reason == ""
 
 
 def test_an_arbiter_nobody_has_commanded_is_silent() -> None:
     arbiter = CommandArbiter(SETTINGS)
     assert run_silent(arbiter, 0, 60) == []
-    assert arbiter.state.mode is Mode.IDLE
+    assert arbiter.state.mode is ArbiterMode.IDLE
 
 
 def test_a_jump_in_the_command_is_limited_and_counted() -> None:
@@ -130,7 +130,7 @@ def test_a_gap_between_commands_earns_no_larger_step() -> None:
 def test_an_impossible_command_is_refused_with_its_reason(wrong: Twist2, reason: str) -> None:
     arbiter = CommandArbiter(SETTINGS)
     assert refusal_of(arbiter, "teleop", command(0, wrong)) == reason
-    assert arbiter.state.mode is Mode.IDLE
+    assert arbiter.state.mode is ArbiterMode.IDLE
 
 
 def test_a_source_that_sends_only_nonsense_is_silent() -> None:
@@ -138,7 +138,7 @@ def test_a_source_that_sends_only_nonsense_is_silent() -> None:
     for index in range(61, 90):
         arbiter.tick(CONTROL.stamp_ns(index))
         assert refusal_of(arbiter, "nav", command(index, Twist2(math.nan, 0.0))) == "not finite"
-    assert arbiter.state.mode is Mode.STOPPED
+    assert arbiter.state.mode is ArbiterMode.STOPPED
 
 
 @pytest.mark.parametrize(
@@ -173,7 +173,7 @@ def test_emergency_stop_ramps_and_ignores_every_source() -> None:
         assert sent is not None
         assert arbiter.offer("teleop", command(index)) is None
     assert sent.twist == Twist2(0.0, 0.0)
-    assert arbiter.state.mode is Mode.EMERGENCY_STOP and arbiter.state.reason == "emergency stop pressed"
+    assert arbiter.state.mode is ArbiterMode.EMERGENCY_STOP and arbiter.state.reason == "emergency stop pressed"
 
 
 def test_emergency_stop_latches_until_it_is_let_go_and_released() -> None:
@@ -181,7 +181,7 @@ def test_emergency_stop_latches_until_it_is_let_go_and_released() -> None:
     arbiter.set_e_stop(True)
     assert arbiter.release() == "the emergency stop is still pressed"
     arbiter.set_e_stop(False)
-    assert arbiter.state.mode is Mode.EMERGENCY_STOP
+    assert arbiter.state.mode is ArbiterMode.EMERGENCY_STOP
     assert arbiter.offer("nav", command(61)) is None
     assert arbiter.release() is None
     assert arbiter.release() == "no emergency stop is latched"
@@ -199,7 +199,7 @@ def test_clock_that_jumps_back_stops_the_robot_until_fresh_commands() -> None:
     first = arbiter.tick(CONTROL.stamp_ns(1))
     assert first is not None and first.stamp_ns == CONTROL.stamp_ns(1)
     assert 0.0 < first.twist.speed_mps < 0.5
-    assert arbiter.state.mode is Mode.STOPPING and arbiter.state.reason == "clock jumped back"
+    assert arbiter.state.mode is ArbiterMode.STOPPING and arbiter.state.reason == "clock jumped back"
     assert arbiter.offer("nav", command(2)) is not None
 
 

@@ -1,12 +1,19 @@
 """Chooses whose command reaches the base, keeps it within limits, and stops the robot when nobody commands."""
 
-import enum
 import math
 from collections import Counter
-from dataclasses import dataclass
 
 from tracked_safety.arbiter_settings import SOURCES, ArbiterSettings
-from tracked_types import PeriodGrid, Twist2, VelocityCommand, clock_set_back, seconds_between, to_nanoseconds
+from tracked_types import (
+    ArbiterMode,
+    ArbiterState,
+    PeriodGrid,
+    Twist2,
+    VelocityCommand,
+    clock_set_back,
+    seconds_between,
+    to_nanoseconds,
+)
 
 _REST = Twist2(0.0, 0.0)
 
@@ -17,29 +24,6 @@ class CommandRefused(ValueError):
     def __init__(self, reason: str) -> None:
         super().__init__(reason)
         self.reason = reason
-
-
-class Mode(enum.Enum):
-    """What the arbiter does."""
-
-    FORWARDING = "forwarding"
-    IDLE = "no source has commanded yet"
-    STOPPING = "ramping to zero"
-    STOPPED = "stopped until fresh commands"
-    EMERGENCY_STOP = "emergency stop until released"
-
-
-@dataclass(frozen=True, slots=True)
-class ArbiterState:
-    """Snapshot for reports.
-
-    stamp_ns: the newest physical time known. source: who passes, or passed last. reason: of a stop, in words.
-    """
-
-    stamp_ns: int
-    mode: Mode
-    source: str
-    reason: str
 
 
 class CommandArbiter:
@@ -59,7 +43,7 @@ class CommandArbiter:
         self._timeout_ns = to_nanoseconds(settings.timeout_s)
         self._control_period_s = 1.0 / settings.rate_hz
         self._e_stop_asserted = False
-        self._mode = Mode.IDLE
+        self._mode = ArbiterMode.IDLE
         self._source = ""
         self._reason = ""
         self._now_ns: int | None = None
@@ -94,13 +78,13 @@ class CommandArbiter:
         self._heard[source] = command.stamp_ns
         if self._ticked_ns is None:
             self._now_ns = command.stamp_ns
-        if self._mode is Mode.EMERGENCY_STOP or self._outranked(source):
+        if self._mode is ArbiterMode.EMERGENCY_STOP or self._outranked(source):
             return None
         permitted = self.settings.limits.clamped(command.twist)
         twist = self.settings.limits.approached(self._twist, permitted, self._period_s(command.stamp_ns))
         if twist != command.twist:
             self.cut_off[source] += 1
-        self._mode, self._source, self._reason = Mode.FORWARDING, source, ""
+        self._mode, self._source, self._reason = ArbiterMode.FORWARDING, source, ""
         return self._let_out(VelocityCommand(command.stamp_ns, twist))
 
     def tick(self, stamp_ns: int) -> VelocityCommand | None:
@@ -112,9 +96,9 @@ class CommandArbiter:
             self._clock_jumped_back()
         before_ns, self._ticked_ns = self._ticked_ns, max(stamp_ns, self._ticked_ns or 0)
         self._now_ns = self._ticked_ns
-        if self._mode is Mode.FORWARDING and not self._alive(self._source):
+        if self._mode is ArbiterMode.FORWARDING and not self._alive(self._source):
             self._stop(f"{self._source} silent for {self.settings.timeout_s:g} s")
-        if self._mode in (Mode.FORWARDING, Mode.IDLE):
+        if self._mode in (ArbiterMode.FORWARDING, ArbiterMode.IDLE):
             return None
         if before_ns is not None and not self._grid.crossed(before_ns, self._now_ns):
             return None
@@ -128,15 +112,15 @@ class CommandArbiter:
         Physical time stands still then, so that `tick` cannot see the silence. Next command of the ramp, or
         None while nobody has commanded.
         """
-        if self._mode is Mode.IDLE:
+        if self._mode is ArbiterMode.IDLE:
             return None
-        if self._mode is Mode.FORWARDING:
+        if self._mode is ArbiterMode.FORWARDING:
             self._stop(f"{self._source} and the odometry silent")
         return self._ramp(self._newest_ns(), self._control_period_s)
 
     def stop(self, reason: str) -> list[VelocityCommand]:
         """The rest of the ramp to zero, one command per control period, for a shutdown; empty while idle."""
-        if self._mode is Mode.IDLE:
+        if self._mode is ArbiterMode.IDLE:
             return []
         self._stop(reason)
         ramp: list[VelocityCommand] = []
@@ -148,11 +132,11 @@ class CommandArbiter:
         """The emergency stop signal; it latches, and its end alone does not release it."""
         self._e_stop_asserted = asserted
         if asserted:
-            self._mode, self._reason = Mode.EMERGENCY_STOP, "emergency stop pressed"
+            self._mode, self._reason = ArbiterMode.EMERGENCY_STOP, "emergency stop pressed"
 
     def release(self) -> str | None:
         """End an emergency stop; why it cannot be ended, or None. The robot stays at rest until fresh commands."""
-        if self._mode is not Mode.EMERGENCY_STOP:
+        if self._mode is not ArbiterMode.EMERGENCY_STOP:
             return "no emergency stop is latched"
         if self._e_stop_asserted:
             return "the emergency stop is still pressed"
@@ -194,7 +178,7 @@ class CommandArbiter:
         return min(seconds_between(stamp_ns, self._sent.stamp_ns), 2.0 * self._control_period_s)
 
     def _stop(self, reason: str) -> None:
-        self._mode = Mode.STOPPED if self._twist == _REST else Mode.STOPPING
+        self._mode = ArbiterMode.STOPPED if self._twist == _REST else ArbiterMode.STOPPING
         self._reason = reason
 
     def _newest_ns(self) -> int:
@@ -202,8 +186,8 @@ class CommandArbiter:
 
     def _ramp(self, stamp_ns: int, period_s: float) -> VelocityCommand:
         twist = self.settings.limits.approached(self._twist, _REST, period_s)
-        if self._mode is Mode.STOPPING and twist == _REST:
-            self._mode = Mode.STOPPED
+        if self._mode is ArbiterMode.STOPPING and twist == _REST:
+            self._mode = ArbiterMode.STOPPED
         return self._let_out(VelocityCommand(stamp_ns, twist))
 
     def _let_out(self, command: VelocityCommand) -> VelocityCommand:
@@ -213,5 +197,5 @@ class CommandArbiter:
     def _clock_jumped_back(self) -> None:
         self._ticked_ns, self._sent = None, None
         self._heard.clear()
-        if self._mode not in (Mode.IDLE, Mode.EMERGENCY_STOP):
+        if self._mode not in (ArbiterMode.IDLE, ArbiterMode.EMERGENCY_STOP):
             self._stop("clock jumped back")

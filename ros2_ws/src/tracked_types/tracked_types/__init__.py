@@ -6,6 +6,7 @@ ROS header carries. Every type is a frozen dataclass; arrays inside are float64.
 """
 
 from tracked_types.angles import angle_difference, wrap_angle
+from tracked_types.arbiter_state import ArbiterMode, ArbiterState
 from tracked_types.body_state import BodyState
 from tracked_types.command import VelocityCommand
 from tracked_types.goal import GoalReached
@@ -31,6 +32,8 @@ __all__ = [
     "PIPELINE_LATENCY_S",
     "PLAN_RATE_HZ",
     "RIGHT_TRACK",
+    "ArbiterMode",
+    "ArbiterState",
     "BodyState",
     "GoalReached",
     "ImuSample",

@@ -3,7 +3,6 @@
 import math
 import sys
 import time
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -24,9 +23,9 @@ from node_kit.conversions import (
     command_from_message,
     goal_reached_from_message,
     odometry_from_message,
+    safety_state_from_message,
     slip_from_message,
     solver_status_from_message,
-    stamp_from_message,
     tracks_from_message,
     trajectory_from_message,
     vertical_acceleration_from_message,
@@ -35,7 +34,7 @@ from tracked_bringup.odom_origin import OdomOrigin
 from tracked_description import ROBOT_FILE, load_robot
 from tracked_report.run_record import RunMeta
 from tracked_report.run_recorder import RunRecorder
-from tracked_types import BodyState, Odometry
+from tracked_types import ArbiterState, BodyState, Odometry
 
 PARAMETERS = ParameterTable(
     Parameter("record_file", "record.npz", "file that the record is written to when the node is stopped"),
@@ -46,14 +45,6 @@ PARAMETERS = ParameterTable(
 _DEPTH = 1000  # a record must not have holes where this process had to wait for a processor
 _DRAIN_LIMIT_S = 5.0
 _STATE = QoSProfile(depth=_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
-
-
-@dataclass(frozen=True, slots=True)
-class _SafetyChange:
-    """The text of a safety/state message."""
-
-    stamp_ns: int
-    text: str
 
 
 class RecorderNode(StackNode):
@@ -95,7 +86,7 @@ class RecorderNode(StackNode):
             self.on_acceleration,
             _STATE,
         )
-        self.subscribe_typed(SafetyMessage, "safety/state", self._safety_change, self.on_safety, qos.LATCHED)
+        self.subscribe_typed(SafetyMessage, "safety/state", safety_state_from_message, self.on_safety, qos.LATCHED)
 
     def on_odometry(self, odometry: Odometry) -> None:
         """The estimate."""
@@ -112,11 +103,13 @@ class RecorderNode(StackNode):
         stamp_ns, vertical_mps2 = sample
         self.recorder.add_row("acceleration", stamp_ns, (vertical_mps2,), arrival_s=time.monotonic())
 
-    def on_safety(self, change: _SafetyChange) -> None:
+    def on_safety(self, state: ArbiterState) -> None:
         """What the arbiter does is an event."""
-        if change.text != self.safety_text:
-            self.safety_text = change.text
-            self.recorder.add_event(change.stamp_ns, "command_arbiter", change.text)
+        text = f"{state.mode.name.lower().replace('_', ' ')} {state.source}".rstrip()
+        text += f": {state.reason}" if state.reason else ""
+        if text != self.safety_text:
+            self.safety_text = text
+            self.recorder.add_event(state.stamp_ns, "command_arbiter", text)
 
     def safe_stop(self) -> None:
         """Take in what has arrived and waits for its turn, then write the record."""
@@ -152,19 +145,6 @@ class RecorderNode(StackNode):
         if math.isnan(self.started_s):
             self.started_s = self.newest_s
         self.recorder.add(channel, value, self.newest_s)
-
-    @staticmethod
-    def _safety_change(message: SafetyMessage) -> _SafetyChange:
-        names = {code: name.lower().replace("_", " ") for name, code in _SAFETY_CODES.items()}
-        text = " ".join(part for part in (names.get(message.state, "?"), message.source) if part)
-        return _SafetyChange(
-            stamp_from_message(message.header.stamp), f"{text}: {message.reason}" if message.reason else text
-        )
-
-
-_SAFETY_CODES = {
-    name: getattr(SafetyMessage, name) for name in ("FORWARDING", "IDLE", "STOPPING", "STOPPED", "EMERGENCY_STOP")
-}
 
 
 def main() -> int:

@@ -17,12 +17,12 @@ from node_kit.conversions import (
     command_from_message,
     command_to_message,
     odometry_from_message,
+    safety_state_to_message,
     twist_to_message,
 )
 from tracked_description import ROBOT_FILE, load_robot
-from tracked_safety import SOURCES, ArbiterSettings, CommandArbiter, CommandRefused, Mode
-from tracked_safety.nodes.state_message import state_to_message
-from tracked_types import Odometry, VelocityCommand
+from tracked_safety import SOURCES, ArbiterSettings, CommandArbiter, CommandRefused
+from tracked_types import ArbiterMode, Odometry, VelocityCommand
 
 PARAMETERS = ParameterTable.from_settings(
     ArbiterSettings,
@@ -54,7 +54,7 @@ class CommandArbiterNode(StackNode):
             TwistStamped, "cmd_vel_stamped" if plain_twist else "cmd_vel", stamped, qos.COMMAND
         )
         self.plain = self.publish_typed(Twist, "cmd_vel", twist_to_message, qos.COMMAND) if plain_twist else None
-        self.state = self.publish_typed(SafetyState, "safety/state", state_to_message, qos.LATCHED)
+        self.state = self.publish_typed(SafetyState, "safety/state", safety_state_to_message, qos.LATCHED)
         for source in SOURCES:
             self.subscribe_typed(
                 TwistStamped, f"cmd_vel_{source}", command_from_message, partial(self.on_command, source), qos.COMMAND
@@ -69,7 +69,7 @@ class CommandArbiterNode(StackNode):
         self._control_period_s = 1.0 / self.arbiter.settings.rate_hz
         self._lock_step = self.value("lock_step")
         self._heard_s = time.monotonic()
-        self._published_mode: Mode | None = None
+        self._published_mode: ArbiterMode | None = None
         self.every_wall(self._control_period_s, self.on_wall_clock)
         self.every_wall(1.0, partial(self._report, force=True))
 
@@ -125,7 +125,7 @@ class CommandArbiterNode(StackNode):
         self._published_mode = state.mode
         self.state.publish(state)
         values = {f"limited: {source}": count for source, count in self.arbiter.cut_off.items()}
-        stopped = state.mode in (Mode.STOPPING, Mode.STOPPED, Mode.EMERGENCY_STOP)
+        stopped = state.mode in (ArbiterMode.STOPPING, ArbiterMode.STOPPED, ArbiterMode.EMERGENCY_STOP)
         message = f"{state.mode.value}: {state.reason}" if state.reason else state.mode.value
         self.diagnostics.report("commands", Level.WARN if stopped else Level.OK, message, values)
 
