@@ -10,7 +10,7 @@ TYPED = $(patsubst %/py.typed,%,$(wildcard ros2_ws/src/*/*/py.typed)) tools/setu
 EMPTY :=
 MYPYPATH = $(subst $(EMPTY) $(EMPTY),:,$(wildcard ros2_ws/src/*))
 
-.PHONY: help setup demo test quick claims check docs format lock test-robot clean
+.PHONY: help setup demo test quick claims gallery check docs format lock test-robot clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{ printf "  make %-12s %s\n", $$1, $$2 }'
@@ -32,6 +32,9 @@ quick: setup ## one PASS or FAIL line per claim that needs no DDS, in 15 s
 
 claims: setup ## measure every figure that the README quotes
 	@./run claims
+
+gallery: setup ## figures of chapters 2 and 3 made anew, on one page
+	@./run python benchmarks/gallery.py
 
 check: setup ## lint, format and types
 	@.venv/bin/ruff check .

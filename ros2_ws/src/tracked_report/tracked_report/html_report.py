@@ -15,10 +15,11 @@ Tone = Literal["good", "bad", "plain"]
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One cell of a table: text, and whether it is good or bad news."""
+    """One cell of a table: text, whether it is good or bad news, and the anchor of a section that it leads to."""
 
     text: str
     tone: Tone = "plain"
+    anchor: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,12 +48,17 @@ class Headline:
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A titled part with text, pictures and tables in order; ``folded`` sections open on demand."""
+    """A titled part with text, pictures and tables in order; ``folded`` sections open on demand.
+
+    ``badge`` stands beside the title; ``anchor`` is what cells lead to.
+    """
 
     title: str
     text: str = ""
     items: Sequence[Picture | Table] = ()
     folded: bool = False
+    badge: Cell | None = None
+    anchor: str = ""
 
 
 @dataclass(frozen=True, slots=True)
