@@ -83,16 +83,6 @@ def test_a_fault_begins_at_its_instant_and_a_refused_one_ends_the_run(bringup, t
     assert processes_of(tmp_path) == {}
 
 
-def test_a_node_that_is_needed_and_dies_ends_the_run_with_a_code(bringup, tmp_path, probe):
-    process = bringup("idle", "sim_bridge.lidar_mode:=instant")
-    odom = probe.collect(Odometry, "odom")
-    probe.wait_until(lambda: odom, timeout_s=RUN_LIMIT_S, what="odometry")
-    os.kill(processes_of(tmp_path)["safety"], signal.SIGKILL)
-    assert process.wait() == 1
-    assert "safety ended (signal 9)" in process.output and "logs: " in process.output
-    assert processes_of(tmp_path) == {}
-
-
 def test_a_node_that_may_come_back_does_and_an_idle_run_ends_well(bringup, tmp_path, probe):
     process = bringup("idle", "--grouping", "separate")
     odom = probe.collect(Odometry, "odom")

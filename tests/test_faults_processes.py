@@ -83,6 +83,7 @@ def test_without_odometry_the_run_ends_and_the_robot_is_left_at_rest(driving):
     driving.graph.signal_child("ekf", signal.SIGKILL)
     assert driving.graph.wait() == 1
     assert "ekf ended (signal 9)" in driving.graph.output
+    assert "logs: " in driving.graph.output
     assert driving.graph.left_behind() == []
     driving.listener.refresh()
     assert driving.commands[-1].twist.linear.x == 0.0

@@ -1,7 +1,6 @@
-"""Both control layers as others see them: what they publish when, what they wait for, and a polite end."""
+"""Both control layers as others see them: what they publish when, and what they wait for."""
 
 import math
-import signal
 
 import numpy as np
 import pytest
@@ -164,13 +163,6 @@ def test_a_plan_of_another_robot_is_refused(probe, start_node):
     probe.wait_until(told, what="both refusals")
     assert not commands
     probe.wait_until(lambda: fed("r1/odom") or commands, what="a command for a plan of its own")
-
-
-@pytest.mark.parametrize(("node", "number"), [(UPPER, signal.SIGINT), (LOWER, signal.SIGTERM)])
-def test_a_signal_ends_either_with_exit_code_0(probe, start_node, node, number):
-    process, _ = running(probe, start_node, node)
-    assert process.stop(number) == 0
-    assert "Traceback" not in process.output
 
 
 @pytest.mark.parametrize(

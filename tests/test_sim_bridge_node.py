@@ -1,7 +1,6 @@
-"""The simulator node as others see it: streams, commands, time, services and a polite end."""
+"""The simulator node as others see it: streams, commands, time and services."""
 
 import math
-import signal
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
@@ -237,12 +236,6 @@ def test_injected_faults_show_in_the_stream_and_on_diagnostics(probe, start_node
     refused = probe.call(InjectFault, "inject_fault", InjectFault.Request(sensor="nose", kind="nan")).result
     assert refused.result == Result.OPERATION_FAILED
     assert "tracks, imu, scan" in refused.error_message
-
-
-def test_a_signal_ends_it_with_exit_code_0(probe, start_node):
-    node, _ = running(probe, start_node)
-    assert node.stop(signal.SIGTERM) == 0
-    assert "Traceback" not in node.output
 
 
 @pytest.mark.parametrize(
