@@ -1,6 +1,6 @@
 """Simulations for the design benchmark: Chua's oscillators, the tunnel diode with filters, the tracking error."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ from robust_core.filtering import Filter
 from robust_core.plants import chua, tunnel_diode
 from robust_core.plants.tracking_error import TrackingError
 from robust_core.terminal import CommandLimits, TerminalDesign
+from tracked_lab.gallery.integrate import runge_kutta
 
 Array = NDArray[np.float64]
 SWITCH_S = 20.0
@@ -18,23 +19,6 @@ START = (-0.1, -0.1, 0.1)
 FOLLOWER_START = (0.1, 0.1, -0.1)
 LIMIT_A = 10.0
 PERIOD_S = 1.8015  # of the limit cycle
-
-
-def runge_kutta(
-    derivative: Callable[[float, Array], Array], state: Array, start: float, stop: float, step: float
-) -> Array:
-    """States at every step, (count + 1, ...)."""
-    count = round((stop - start) / step)
-    out = np.empty((count + 1, *state.shape))
-    out[0] = state
-    for k in range(count):
-        t, x = start + k * step, out[k]
-        a = derivative(t, x)
-        b = derivative(t + 0.5 * step, x + 0.5 * step * a)
-        c = derivative(t + 0.5 * step, x + 0.5 * step * b)
-        d = derivative(t + step, x + step * c)
-        out[k + 1] = x + step / 6.0 * (a + 2.0 * (b + c) + d)
-    return out
 
 
 @dataclass(frozen=True, slots=True)

@@ -175,6 +175,8 @@ FAILURES = [
     (f"system: {PUSHED}\nstabilise: {{box: {{0: 1}}}}\n", "keys are texts"),
     (f"system: {PUSHED}\nstabilise: {{method: dependent, input_limit: 1}}\n", "is for method quadratic"),
     (f"system: {PUSHED}\nstabilise: {{digits: 1}}\n", "stabilise.digits: must be a whole number"),
+    (f"system: {PUSHED}\nstabilise: {{input_limit: [[1]]}}\n", "stabilise.input_limit: must be a number"),
+    ("system: {A: 1, B: [[1]], C: [[1]], Df: [[1]], D: [[1]]}\nobserver: {tau: 1}\n", "system.A: must be a matrix"),
     (f"system: {PUSHED}\nstabilise: {{input_limit: -1}}\n", "input_limit must be positive"),
     (f"system: {STABLE}\nfilter: {{}}\n", "system.vertices.B: is missing"),
     ("system: {vertices: {}, attained: maybe}\nfilter: {}\n", "is missing"),
@@ -199,8 +201,8 @@ FAILURES = [
 @pytest.mark.parametrize(("text", "named"), FAILURES)
 def test_wrong_specifications_are_named_and_end_with_two(text, named, tmp_path, capsys) -> None:
     spec = write_spec(tmp_path, text)
-    commands = [name for name in ("design", "certify") if ("certify" in text) == (name == "certify")]
-    assert main([commands[0], spec, "--out", str(tmp_path / "out")]) == 2
+    command = "certify" if "certify" in text else "design"
+    assert main([command, spec, "--out", str(tmp_path / "out")]) == 2
     assert named in capsys.readouterr().err
 
 
@@ -284,6 +286,23 @@ assert main(["certify", sys.argv[1]]) == 0
 heavy = {"scipy", "clarabel", "casadi", "cvxpy", "matplotlib"} & set(sys.modules)
 assert not heavy, heavy
 """
-    path = os.pathsep.join(entry for entry in sys.path if entry)
     command = [sys.executable, "-c", program, str(tmp_path / "design.json")]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env={**os.environ, "PYTHONPATH": path})
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=environment())
+
+
+def test_a_reader_who_had_enough_is_no_error_message() -> None:
+    program = (
+        "import sys; from robust_core.command_line.main import main; sys.exit(main(['explain', 'example_map.yaml']))"
+    )
+    reading, writing = os.pipe()
+    os.close(reading)
+    with os.fdopen(writing, "wb") as pipe:
+        done = subprocess.run(
+            [sys.executable, "-u", "-c", program], stdout=pipe, stderr=subprocess.PIPE, env=environment(), check=False
+        )
+    assert done.stderr == b""
+
+
+def environment() -> dict[str, str]:
+    """That of this process, with its paths."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(entry for entry in sys.path if entry)}

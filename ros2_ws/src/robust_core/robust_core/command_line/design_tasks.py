@@ -86,10 +86,10 @@ def _limits(asked: Fields, states: Any) -> tuple[dict[str, Any], list[str]]:
     limits: dict[str, Any] = {}
     words = []
     if asked.has("input_limit"):
-        value = asked.content["input_limit"]
-        limits["input_limit"] = (
-            asked.floats("input_limit") if isinstance(value, list) else [asked.number("input_limit")]
-        )
+        several = isinstance(asked.content["input_limit"], list)
+        limits["input_limit"] = asked.floats("input_limit") if several else np.array([asked.number("input_limit")])
+        if limits["input_limit"].ndim != 1:
+            raise SpecError(asked.key("input_limit"), "must be a number, or a list of one per input")
         words.append(f"|u| below {', '.join(f'{v:g}' for v in limits['input_limit'])} for ever")
     if asked.has("box"):
         box = asked.part("box")

@@ -4,6 +4,7 @@ Exit codes: 0 all that was asked is proven; 1 it is not, or undecided; 2 the spe
 """
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -73,6 +74,9 @@ def _guarded(command: str, options: argparse.Namespace) -> int:
         return 1
     except RobustCoreError as error:
         print(f"{command}: undecided: {error}", file=sys.stderr)
+        return 1
+    except BrokenPipeError:  # the reader of the text had enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except OSError as error:
         print(f"{command}: {error}", file=sys.stderr)

@@ -58,7 +58,10 @@ def draw_poles(
         ax.plot(np.cos(angle), np.sin(angle), color=COLOURS[2], lw=1, label="unit circle")
         ax.set_aspect("equal")
     else:
-        ax.axvline(-decay, color=COLOURS[2], lw=1, label=f"decay {decay:g} 1/s")
+        ax.axvline(-decay, color=COLOURS[2], lw=1, label=f"decay {decay:g} 1/s" if decay else "stability")
+        usual = float(np.median(np.abs(everything.real)))
+        if region is None and np.abs(everything.real).max() > 20.0 * usual > 0.0:
+            ax.set_xscale("symlog", linthresh=usual)
     if region is not None:
         _draw_region(ax, region, everything)
     ax.set(xlabel="real part", ylabel="imaginary part", title="poles of the frozen system")

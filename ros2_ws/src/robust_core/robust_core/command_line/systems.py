@@ -72,8 +72,8 @@ def read_formulas(system: Fields, parameters: Sequence[str], *, check: bool = Tr
 
     def matrix(fields: Fields, name: str, names: dict[str, Any]) -> Any:
         entries = fields.entries(name, lambda text: formula(text, names))
-        if entries.ndim != 2:
-            raise SpecError(fields.key(name), f"must be a matrix, a list of rows, got {entries.ndim} levels of lists")
+        if entries.ndim != 2 or len(entries) != len(states) or entries.size == 0:
+            raise SpecError(fields.key(name), f"must be a matrix of {len(states)} rows, got shape {entries.shape}")
         return casadi.vertcat(*[casadi.horzcat(*row) for row in entries])
 
     rates = system.text("rates", "enclosed", ("enclosed", "sampled", "none"))
@@ -143,8 +143,12 @@ def lipschitz_plant(system: Fields) -> LipschitzPlant:
     """x+ = A x + Df f(x) + B u + D d, y = C x."""
     names = ("A", "B", "C", "Df", "D")
     system.only(*names)
+    given = {name: system.array(name) for name in names}
+    for name, matrix in given.items():
+        if matrix.ndim != 2:
+            raise SpecError(system.key(name), f"must be a matrix, a list of rows, got shape {matrix.shape}")
     with system.about():
-        return LipschitzPlant.of(**{name: system.array(name) for name in names})
+        return LipschitzPlant.of(**given)
 
 
 def groups_of(system: Fields) -> dict[str, Any]:

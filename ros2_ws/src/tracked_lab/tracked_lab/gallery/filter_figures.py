@@ -237,16 +237,24 @@ def _drawings(run: _Run, inputs: str, outputs: str, shown_s: float) -> tuple[Dra
 
     def draw_outputs(drawn: Any) -> None:
         left, right = drawn.subplots(1, 2)
-        left.plot(run.times, run.signal, color=INK, lw=1.3, label="z")
+        some = run.times <= max(4.0 * shown_s, 0.8)
+        left.plot(run.times[some], run.signal[some], color=INK, lw=1.3, label="z")
         for k, name in enumerate(FILTERS):
-            left.plot(run.times, run.estimates[:, k], color=COLOURS[k], lw=1, ls="--", label=f"z_f, {name}")
-            right.semilogy(run.times, np.maximum(np.abs(run.error[:, k]), 1e-7), color=COLOURS[k], lw=0.8)
+            left.plot(run.times[some], run.estimates[some, k], color=COLOURS[k], lw=1, ls="--", label=f"z_f, {name}")
+            right.semilogy(run.times, _envelope(run.error[:, k], run.times), color=COLOURS[k], lw=1.3)
         left.set(xlabel="t (s)", ylabel="z, z_f (A)")
-        left.legend(loc="upper right", fontsize=8)
-        right.set(xlabel="t (s)", ylabel="|z - z_f| (A)", ylim=(1e-6, 0.1))
+        drawn.legend(*left.get_legend_handles_labels(), loc="outside upper left", ncols=4)
+        right.set(xlabel="t (s)", ylabel="|z - z_f| (A), largest in 0.1 s", ylim=(1e-4, 0.1))
 
     note = "Printed filter orange; optimal for the printed vertices green, for the true ones blue."
     return (Drawing(inputs, "", draw_inputs, 11.0, 2.4), Drawing(outputs, note, draw_outputs, 11.0, 3.6))
+
+
+def _envelope(error: Array, times: Array) -> Array:
+    """Largest |error| in the tenth of a second around each time."""
+    width = max(1, round(0.05 / float(times[1] - times[0])))
+    padded = np.pad(np.abs(error), width, mode="edge")
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(padded, 2 * width + 1).max(axis=-1))
 
 
 INDICES: Sequence[tuple[str, Any, str, float, float]] = (
