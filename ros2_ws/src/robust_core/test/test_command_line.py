@@ -1,13 +1,16 @@
 """The command line: what it writes, its exit codes, and specifications that are wrong."""
 
 import json
+import math
 import os
+import random
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from robust_core.command_line import spec as spec_files
 from robust_core.command_line.main import main, run
@@ -175,6 +178,7 @@ FAILURES = [
     (f"system: {PUSHED}\nstabilise: {{box: {{0: 1}}}}\n", "keys are texts"),
     (f"system: {PUSHED}\nstabilise: {{method: dependent, input_limit: 1}}\n", "is for method quadratic"),
     (f"system: {PUSHED}\nstabilise: {{digits: 1}}\n", "stabilise.digits: must be a whole number"),
+    (f"system: {PUSHED}\nstabilise: {{start: 3}}\n", "stabilise.start: must be a list of points"),
     (f"system: {PUSHED}\nstabilise: {{input_limit: [[1]]}}\n", "stabilise.input_limit: must be a number"),
     ("system: {A: 1, B: [[1]], C: [[1]], Df: [[1]], D: [[1]]}\nobserver: {tau: 1}\n", "system.A: must be a matrix"),
     (f"system: {PUSHED}\nstabilise: {{input_limit: -1}}\n", "input_limit must be positive"),
@@ -204,6 +208,45 @@ def test_wrong_specifications_are_named_and_end_with_two(text, named, tmp_path, 
     command = "certify" if "certify" in text else "design"
     assert main([command, spec, "--out", str(tmp_path / "out")]) == 2
     assert named in capsys.readouterr().err
+
+
+ODD = [
+    None,
+    True,
+    [],
+    {},
+    "x",
+    "nan",
+    0,
+    -1,
+    1e300,
+    "1/0",
+    [[1]],
+    [[[1]]],
+    {"a": 1},
+    "sin(x1)",
+    [[1, 2], [3]],
+    math.inf,
+]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_specifications_with_any_value_replaced_end_with_an_exit_code(seed, tmp_path, capsys) -> None:
+    rng = random.Random(seed)
+    for _ in range(12):
+        name = rng.choice(["chua_stabilisation.yaml", "tunnel_diode_filter.yaml", "vibration_observer.yaml"])
+        content = yaml.safe_load((Path(spec_files.__file__).parents[1] / "specs" / name).read_text(encoding="utf-8"))
+        holder, key = rng.choice(list(places(content)))
+        holder[key] = rng.choice(ODD)
+        assert answer(tmp_path, "design", yaml.safe_dump(content)) in (0, 1, 2)
+
+
+def places(content):
+    """Every mapping or list within, with each of its keys."""
+    for key in list(content) if isinstance(content, dict) else range(len(content)):
+        yield content, key
+        if isinstance(content[key], dict | list):
+            yield from places(content[key])
 
 
 MAPPED = f"""system:

@@ -98,6 +98,8 @@ def _limits(asked: Fields, states: Any) -> tuple[dict[str, Any], list[str]]:
         words.append("; ".join(f"|{name}| below {box.number(name):g} for ever" for name in box.content))
     if asked.has("start"):
         limits["start"] = asked.floats("start")
+        if limits["start"].ndim != 2:
+            raise SpecError(asked.key("start"), "must be a list of points, each a list of states")
         words.append(f"all of that from {len(limits['start'])} start points and their hull")
     return limits, words
 
