@@ -333,6 +333,54 @@ assert not heavy, heavy
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=environment())
 
 
+def test_what_the_solver_cannot_find_is_undecided(tmp_path, capsys) -> None:
+    system = "{vertices: {A: [[[1, 0], [0, -2]]], B: [[0], [1]]}}"  # one state is out of reach
+    assert answer(tmp_path, "design", f"system: {system}\nstabilise: {{}}\n") == 1
+    assert "undecided" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["design", "certify", "map", "explain"])
+def test_every_command_is_an_executable_of_its_own(command) -> None:
+    script = Path(__file__).parents[1] / "scripts" / command
+    done = subprocess.run(
+        [sys.executable, script, "--help"], capture_output=True, text=True, env=environment(), check=True
+    )
+    assert done.stdout.startswith(f"usage: {command} ") and os.access(script, os.X_OK)
+
+
+def test_an_output_folder_that_is_a_file_ends_with_two(tmp_path) -> None:
+    (tmp_path / "out").write_text("", encoding="utf-8")
+    assert answer(tmp_path, "certify", f"system: {STABLE}\ncertify: {{}}\n") == 2
+
+
+def test_a_certificate_that_rules_out_is_written_and_no_design(tmp_path, capsys) -> None:
+    system = "{vertices: {A: [[[1]]]}}"
+    assert answer(tmp_path, "certify", f"system: {system}\ncertify: {{}}\n") == 1
+    file = tmp_path / "out" / "certificate.json"
+    assert main(["certify", str(file)]) == 0
+    assert "has no solution" in capsys.readouterr().out
+    from robust_core import load_certificate
+
+    with pytest.raises(ArgumentError, match="a design that works"):
+        save_design(load_certificate(file), tmp_path / "design.json")
+
+
+def test_gains_of_another_loop_are_refused(tmp_path) -> None:
+    model = chua.stabilisation()
+    from robust_core import CommonLyapunov, decide
+
+    certificate = decide(CommonLyapunov(), model.closed_loop(chua.PRINTED_STABILISATION_GAINS)).require()
+    gains = np.array(chua.PRINTED_STABILISATION_GAINS, dtype=float)
+    assert load_design(save_design(certificate, tmp_path / "a", gains=gains, open_loop=model), model=model).gains
+    with pytest.raises(ArgumentError, match="loop is closed by"):
+        save_design(certificate, tmp_path / "b", gains=1.001 * gains, open_loop=model)
+    content = json.loads((tmp_path / "a").read_text(encoding="utf-8"))
+    content["gains"] = {"L": 1}
+    (tmp_path / "a").write_text(json.dumps(content), encoding="utf-8")
+    with pytest.raises(CertificateDamagedError, match="malformed"):
+        load_design(tmp_path / "a")
+
+
 def test_a_reader_who_had_enough_is_no_error_message() -> None:
     program = (
         "import sys; from robust_core.command_line.main import main; sys.exit(main(['explain', 'example_map.yaml']))"

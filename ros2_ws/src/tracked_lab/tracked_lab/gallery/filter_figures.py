@@ -1,15 +1,12 @@
 """Figures 3.3 to 3.11 and the table of indices: the filter for the tunnel diode circuit."""
 
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from robust_core.errors import RobustCoreError
 from robust_core.filtering import (
-    Filter,
-    FilterDesign,
     ImpossibleIndexError,
     analyse_filter,
     design_filter,
@@ -22,38 +19,31 @@ from robust_core.filtering import (
     very_strictly_passive,
 )
 from robust_core.plants import tunnel_diode
-from robust_core.theorems.regions import disc
 from robust_core.verdict import Verdict
 from tracked_lab.gallery.entry import Check, Drawing, Entry, Label, close, exactly, holds
-from tracked_lab.gallery.integrate import Array, runge_kutta
+from tracked_lab.gallery.filter_runs import (
+    BLUE,
+    CENTER,
+    FILTERS,
+    GREEN,
+    INK,
+    RADIUS,
+    RED,
+    REGION,
+    all_filters,
+    drawings,
+    optimal_filter,
+    printed_filter,
+    simulate,
+)
+from tracked_lab.gallery.integrate import Array
 
-CENTER, RADIUS = -20.0, 19.9
-REGION = disc(CENTER, RADIUS)
-AMPLITUDE, STOP_S, HOLD_S, SEED = 0.5, 6.0, 0.1, 35
-BLUE, RED, GREEN, GREY, INK = "#0072b2", "#d55e00", "#009e73", "#9aa5b1", "#1f2933"
 VERTEX = ("#0072b2", "#e69f00", "#009e73", "#cc79a7")
-FILTERS = ("printed", "optimal, printed vertices", "optimal, true vertices")
-COLOURS = (RED, GREEN, BLUE)
-
-
-def _printed() -> Filter:
-    parts = tunnel_diode.PRINTED_FILTER
-    return Filter.of(parts["A"], parts["B"], parts["C"])
-
-
-@lru_cache(maxsize=4)
-def _optimal(attained: bool) -> FilterDesign:
-    plant = tunnel_diode.tunnel_diode()
-    return design_filter(plant.attained() if attained else plant, h_infinity(), region=REGION)
-
-
-def _filters() -> list[Filter]:
-    return [_printed(), _optimal(False).filtering, _optimal(True).filtering]
 
 
 def poles(quick: bool) -> Entry:
     """Figure 3.3."""
-    plant, filtering = tunnel_diode.tunnel_diode(), _printed()
+    plant, filtering = tunnel_diode.tunnel_diode(), printed_filter()
     vertices = np.linalg.eigvals(error_poles_model(plant, filtering).A)
     # The voltage and the resistance over their whole ranges, frozen.
     weights = _weights(9 if quick else 25)
@@ -100,9 +90,9 @@ def frequency_response(quick: bool) -> Entry:
     """Figure 3.4, and gamma*."""
     plant = tunnel_diode.tunnel_diode()
     frequencies = np.logspace(-1.0, 3.0, 200 if quick else 600)
-    gains = [error_gain(plant, one, frequencies) for one in _filters()]
-    given = analyse_filter(plant, _printed(), h_infinity(), region=REGION)
-    printed, true = _optimal(False), _optimal(True)
+    gains = [error_gain(plant, one, frequencies) for one in all_filters()]
+    given = analyse_filter(plant, printed_filter(), h_infinity(), region=REGION)
+    printed, true = optimal_filter(False), optimal_filter(True)
     assert printed.analysis is not None and true.analysis is not None
     checks = (
         close("γ proven of the printed filter", given.figure, 0.1647, 2e-3, "0.2291"),
@@ -143,7 +133,7 @@ def frequency_response(quick: bool) -> Entry:
 
 def fast_disturbance(quick: bool) -> Entry:
     """Figures 3.5 to 3.8."""
-    run = _simulate(60.0 * np.pi, 1e-3 if quick else 2.5e-4)
+    run = simulate(60.0 * np.pi, 1e-3 if quick else 2.5e-4)
     checks = (
         Check("printed filter, largest error in 4 s to 6 s", run.late_error(0), 0.0, 3e-4, "low level", "A"),
         close("largest |z| then", run.late_signal, 0.0027, 0.1, unit="A"),
@@ -159,7 +149,7 @@ def fast_disturbance(quick: bool) -> Entry:
         "The resistance is drawn anew every 0.1 s (the thesis does not say how often). The error of the printed filter "
         "falls to a few per cent of the signal. Filters with a smaller worst case are not better at this frequency.",
         checks,
-        _drawings(run, "Figs 3.5, 3.6: resistance and disturbance", "Figs 3.7, 3.8: estimate and error", 0.2),
+        drawings(run, "Figs 3.5, 3.6: resistance and disturbance", "Figs 3.7, 3.8: estimate and error", 0.2),
         ("3.3-gamma",),
         headline=f"error {checks[0].shown}",
     )
@@ -167,7 +157,7 @@ def fast_disturbance(quick: bool) -> Entry:
 
 def slow_disturbance(quick: bool) -> Entry:
     """Figures 3.9 to 3.11."""
-    run = _simulate(2.0 * np.pi, 2e-3 if quick else 5e-4)
+    run = simulate(2.0 * np.pi, 2e-3 if quick else 5e-4)
     share = run.late_error(0) / run.late_signal
     checks = (
         Check("printed filter, largest error in 4 s to 6 s", run.late_error(0), 0.008, 0.0125, "low level", "A"),
@@ -183,78 +173,10 @@ def slow_disturbance(quick: bool) -> Entry:
         "The error does not fall to a low level here: a sixth to a fifth of the signal remains. Around this frequency "
         "no linear filter can have a gain more than 12.5 % below that of the optimal one.",
         checks,
-        _drawings(run, "Figs 3.5, 3.9: resistance and disturbance", "Figs 3.10, 3.11: estimate and error", 6.0),
+        drawings(run, "Figs 3.5, 3.9: resistance and disturbance", "Figs 3.10, 3.11: estimate and error", 6.0),
         ("3.3-band", "3.3-gamma"),
         headline=f"error {100.0 * share:.0f} % of the signal",
     )
-
-
-class _Run:
-    """A simulation: times (N,), z (N,), estimates (N, 3), resistance (N,), disturbance (N,), voltage (N,)."""
-
-    def __init__(self, times: Array, states: Array, estimates: Array, resistance: Array, disturbance: Array) -> None:
-        self.times, self.signal, self.voltage = times, states[:, 1], states[:, 0]
-        self.estimates, self.resistance, self.disturbance = estimates, resistance, disturbance
-        self.error = self.signal[:, None] - estimates
-        self.late = times >= 4.0
-
-    def late_error(self, which: int) -> float:
-        """Largest error of one filter from 4 s on."""
-        return float(np.abs(self.error[self.late, which]).max())
-
-    @property
-    def late_signal(self) -> float:
-        """Largest signal from 4 s on."""
-        return float(np.abs(self.signal[self.late]).max())
-
-
-def _simulate(radians_per_s: float, step: float) -> _Run:
-    drawn = np.random.default_rng(SEED).uniform(*tunnel_diode.RESISTANCE_OHM, round(STOP_S / HOLD_S) + 1)
-    A, B, C = (np.array([f.matrices()[k] for f in _filters()]) for k in range(3))
-
-    def motion(t: float, x: Array) -> Array:
-        w = AMPLITUDE * np.sin(radians_per_s * t)
-        plant = tunnel_diode.derivative(x[0], w, drawn[int(t / HOLD_S + 1e-9)])
-        return np.vstack([plant, np.einsum("fij,fj->fi", A, x[1:]) + B[:, :, 0] * (x[0, 0] - w)])
-
-    start = np.zeros((4, 2))
-    start[0] = [0.2, -0.05]
-    states = runge_kutta(motion, start, 0.0, STOP_S, step)
-    times: Array = np.arange(len(states)) * np.float64(step)
-    estimates = np.einsum("fj,kfj->kf", C[:, 0], states[:, 1:])
-    held = drawn[np.minimum((times / HOLD_S + 1e-9).astype(int), len(drawn) - 1)]
-    return _Run(times, states[:, 0], estimates, held, AMPLITUDE * np.sin(radians_per_s * times))
-
-
-def _drawings(run: _Run, inputs: str, outputs: str, shown_s: float) -> tuple[Drawing, ...]:
-    def draw_inputs(drawn: Any) -> None:
-        left, right = drawn.subplots(1, 2)
-        left.step(run.times, run.resistance, color=INK, lw=1, where="post")
-        left.set(xlabel="t (s)", ylabel="resistance (Ω)")
-        some = run.times <= shown_s
-        right.plot(run.times[some], run.disturbance[some], color=INK, lw=1)
-        right.set(xlabel="t (s)", ylabel="w (V)", title="" if shown_s >= STOP_S else f"first {shown_s:g} s")
-
-    def draw_outputs(drawn: Any) -> None:
-        left, right = drawn.subplots(1, 2)
-        some = run.times <= max(4.0 * shown_s, 0.8)
-        left.plot(run.times[some], run.signal[some], color=INK, lw=1.3, label="z")
-        for k, name in enumerate(FILTERS):
-            left.plot(run.times[some], run.estimates[some, k], color=COLOURS[k], lw=1, ls="--", label=f"z_f, {name}")
-            right.semilogy(run.times, _envelope(run.error[:, k], run.times), color=COLOURS[k], lw=1.3)
-        left.set(xlabel="t (s)", ylabel="z, z_f (A)")
-        drawn.legend(*left.get_legend_handles_labels(), loc="outside upper left", ncols=4)
-        right.set(xlabel="t (s)", ylabel="|z - z_f| (A), largest in 0.1 s", ylim=(1e-4, 0.1))
-
-    note = "Printed filter orange; optimal for the printed vertices green, for the true ones blue."
-    return (Drawing(inputs, "", draw_inputs, 11.0, 2.4), Drawing(outputs, note, draw_outputs, 11.0, 3.6))
-
-
-def _envelope(error: Array, times: Array) -> Array:
-    """Largest |error| in the tenth of a second around each time."""
-    width = max(1, round(0.05 / float(times[1] - times[0])))
-    padded = np.pad(np.abs(error), width, mode="edge")
-    return np.asarray(np.lib.stride_tricks.sliding_window_view(padded, 2 * width + 1).max(axis=-1))
 
 
 INDICES: Sequence[tuple[str, Any, str, float, float]] = (
