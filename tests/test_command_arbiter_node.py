@@ -54,11 +54,16 @@ class Arbiter:
         self.odom.publish(odometry_to_message(made))
 
     def answer(self, source, index, speed):
-        """Send a command and wait for the one that goes out."""
+        """Send a command and wait for the one that goes out for it; ramps to zero may still come in between."""
         count = len(self.sent)
         self.command(source, index, speed)
-        self.probe.wait_until(lambda: len(self.sent) > count, what=f"an answer to {source}")
-        return self.sent[-1]
+
+        def answers():
+            fresh = self.sent[count:]
+            return [sent for sent in fresh if isinstance(sent, Twist) or stamp_ns(sent) == CONTROL.stamp_ns(index)]
+
+        self.probe.wait_until(answers, what=f"an answer to {source}")
+        return answers()[-1]
 
     def drive(self, first, last, speed=0.3):
         """Odometry and commands, in step."""

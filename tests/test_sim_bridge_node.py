@@ -153,7 +153,7 @@ def lock_stepped(probe, start_node):
     """IMU samples by stamp of a lock-step run that ends with its commands; and how it ended."""
     imu = probe.collect(Imu, "imu/data", QUEUE)
     commander = Commander(probe, 1_000_000_000, 4_000_000_000)
-    node, _ = running(probe, start_node, time_mode="lock_step", lock_step_limit_s=1.0, seed=3)
+    node, _ = running(probe, start_node, time_mode="lock_step", first_command_s=1.0, lock_step_limit_s=1.0, seed=3)
     probe.wait_until(lambda: not node.is_running, timeout_s=START_LIMIT_S, what="the end of the lock")
     return {stamp_ns(message): numbers(message) for message in imu}, commander, node
 
