@@ -65,6 +65,7 @@ def make_map(spec: Spec, folder: Path, workers: int | None) -> Outcome:
         notes.append(
             f"theorem {theorem.NAME}: proven at {proven}, proven to say nothing at {ruled_out}, open at {rest}"
         )
+    notes.append("the verdict at every point is in map.csv")
     verdict = Verdict.UNDECIDED if open_points else Verdict.PROVEN
     reason = f"{open_points} verdicts are open" if open_points else "every verdict is proven in exact arithmetic"
     ordered = sorted(layers, key=lambda layer: int(layer[1].sum()))
