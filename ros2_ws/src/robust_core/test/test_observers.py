@@ -65,6 +65,11 @@ def test_designed_observers_are_never_blind(tau: float, rho: float) -> None:
     assert np.abs(np.linalg.eigvals(design.observer.matrices(PLANT)["N"])).max() < 1.0
 
 
+@pytest.mark.parametrize("tau", [0.0, 1.5e-99, 1e-300, 5e-324, 1e-6])
+def test_constants_that_are_nothing_beside_the_model_are_proven_all_the_same(tau: float) -> None:
+    assert design_observer(PLANT, tau, rho=0.5).result.verdict is Verdict.PROVEN
+
+
 def test_the_maximiser_of_the_corollary_is_refused_as_blind() -> None:
     data = PLANT.exact
     E = np.array([[-1], [-data["A"][1, 1] / data["A"][0, 1]]], dtype=object)

@@ -16,6 +16,8 @@ from robust_core.observers.observer import FaultObserver
 from robust_core.observers.theorem_4_1 import LipschitzObserver
 from robust_core.rational import rational
 
+SMALLEST_SHARE = 1e-9  # of the supremum; no design comes near it, its pole would lie at 1 - 1e-9
+
 
 @dataclass(frozen=True, slots=True)
 class ObserverDesign:
@@ -69,8 +71,14 @@ def design_observer(
     E = np.array([[kept - 1], [(nu - A[1, 1]) / A[0, 1]]], dtype=object)
     M = np.array([[kept, rational(0)], [E[1, 0], rational(1)]], dtype=object)
     observer = FaultObserver.of(E, M @ A[:, :1])
-    result = decide(LipschitzObserver(observer, repr(float(tau))), plant)
+    result = decide(LipschitzObserver(observer, repr(_provable(plant, tau))), plant)
     return ObserverDesign(observer, float(tau), float(chosen), result)
+
+
+def _provable(plant: LipschitzPlant, tau: float) -> float:
+    """``tau``, or a larger constant, which implies it, where ``tau`` is too small beside the model for a solver."""
+    smallest = SMALLEST_SHARE / abs(float(plant.data()["Df"][1, 0]))
+    return float(tau) if tau == 0.0 else max(float(tau), smallest)
 
 
 def _check(plant: LipschitzPlant) -> None:
