@@ -43,3 +43,8 @@ def test_a_malformed_change_is_refused() -> None:
 def test_a_package_that_is_not_installed_is_said_with_the_remedy() -> None:
     with pytest.raises(GraphFailedError, match="make setup"):
         locate_executable("no_such_package", "node")
+
+
+def test_changes_may_follow_an_option() -> None:
+    arguments = parser().parse_intermixed_args(["compare", "--name", "short", "duration_s:=8"])
+    assert (arguments.name, arguments.changes) == ("short", ["duration_s:=8"])

@@ -146,7 +146,7 @@ def _outcome(state: LiveState) -> str:
 
 def main() -> int:
     """Run the bringup; the exit code of the process."""
-    arguments = parser().parse_args()
+    arguments = parser().parse_intermixed_args()
     console = Console(sys.stdout)
     try:
         options, changes = split_options(arguments)
