@@ -17,14 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 from solver_peers import DoMpcPeer, OptiPeer
 
-from nmpc_layers import LowerLayer, LowerSettings, UpperLayer, UpperSettings
 from nmpc_layers.solver import BoxSolver, Motion, Problem, Solution, TrackLimits, TrackSolver
 from nmpc_layers.solver.oracle import IpoptOracle
 from nmpc_layers.solver.samples import HIGH, LOW, winding_problems
 from tracked_description import load_robot
 from tracked_lab.kinematic_plant import KinematicPlant
-from tracked_navigation import PlayerSettings, ReferenceSettings, TrajectoryPlayer, make_reference
-from tracked_navigation.shape_settings import ShapeSettings
+from tracked_lab.stack import Stack
 from tracked_report.results import write_metrics
 
 Array = NDArray[np.float64]
@@ -71,26 +69,20 @@ class Recorder(BoxSolver):
 def recorded(seconds: float) -> tuple[list[Task], list[Task]]:
     """Tasks of the upper and the lower layer from closed-loop runs along an S-curve and a figure eight."""
     robot = load_robot()
-    upper, lower = UpperLayer(UpperSettings.from_robot(robot)), LowerLayer(LowerSettings.from_robot(robot))
-    upper.solver = upper_recorder = Recorder(Motion.KINEMATIC, upper.settings.horizon)
-    lower.solver = lower_recorder = Recorder(Motion.LAG, lower.settings.horizon)
+    tasks: tuple[list[Task], list[Task]] = ([], [])
     for run, shape in enumerate(("s_curve", "figure_eight")):
-        reference = make_reference(robot, ReferenceSettings(), ShapeSettings(shape=shape))
-        player, plant = TrajectoryPlayer(PlayerSettings(), reference), KinematicPlant(robot, SEED + run)
+        stack, plant = Stack(robot, {"trajectory_player": {"shape": shape}}), KinematicPlant(robot, SEED + run)
+        upper, lower = stack.upper, stack.lower
+        assert lower is not None
+        upper.solver = upper_recorder = Recorder(Motion.KINEMATIC, upper.settings.horizon)
+        lower.solver = lower_recorder = Recorder(Motion.LAG, lower.settings.horizon)
         for _ in range(round(60 * seconds)):
-            sample = plant.advance()
-            piece = player.update(sample.odometry).reference
-            if piece is not None:
-                upper.set_reference(piece)
-            planned = upper.update(sample.odometry)
-            if planned is not None and planned.trajectory is not None:
-                lower.set_plan(planned.trajectory)
-            lower.set_slip(sample.slip)
-            output = lower.update(sample.odometry)
-            if output is not None and output.command is not None:
-                plant.submit(output.command)
-                upper.set_sent(output.command)
-    return upper_recorder.tasks, lower_recorder.tasks
+            sent = stack.react(plant.advance().estimate).sent
+            if sent is not None:
+                plant.submit(sent)
+        tasks[0].extend(upper_recorder.tasks)
+        tasks[1].extend(lower_recorder.tasks)
+    return tasks
 
 
 def timed(contenders: dict[str, Contender], tasks: Sequence[Task], limits: dict[str, int]) -> dict[str, list[Any]]:

@@ -14,14 +14,13 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from nmpc_layers import LowerLayer, LowerSettings, UpperLayer, UpperSettings, load_weights
+from nmpc_layers import load_weights
 from nmpc_layers.solver import Weights
 from tracked_description import load_robot
 from tracked_lab.kinematic_plant import KinematicPlant
-from tracked_navigation import Phase, PlayerSettings, ReferenceSettings, TrajectoryPlayer, make_reference
-from tracked_navigation.shape_settings import ShapeSettings
-from tracked_safety import ArbiterSettings, CommandArbiter
-from tracked_types import angle_difference
+from tracked_lab.stack import Stack
+from tracked_lab.tracking import tracking_error
+from tracked_navigation import Phase
 
 Array = NDArray[np.float64]
 SEEDS = (1000, 1001, 1002, 1003)
@@ -36,9 +35,12 @@ def score(method: str, layers: str, weights_file: str) -> float:
     total = 0.0
     for number, seed in enumerate(SEEDS):
         common = {"method": method, "pipeline_latency_s": LATENCY_S, "weights_file": weights_file}
-        upper = UpperLayer(UpperSettings.from_robot(ROBOT, layers=layers, final_approach=False, **common))
-        lower = LowerLayer(LowerSettings.from_robot(ROBOT, **common)) if layers == "double" else None
-        errors, commands = run(seed, SHAPES[number % len(SHAPES)], upper, lower)
+        parameters = {
+            "trajectory_player": {"shape": SHAPES[number % len(SHAPES)], "start_delay_s": 0.6},
+            "upper_nmpc": {"layers": layers, "final_approach": False, **common},
+            "lower_nmpc": common,
+        }
+        errors, commands = run(KinematicPlant(ROBOT, seed), Stack(ROBOT, parameters))
         rms = np.sqrt(np.mean(errors**2, axis=0)) / TYPICAL
         peak = np.ptp(errors, axis=0) / (4.0 * TYPICAL)
         nervous = np.sqrt(np.mean(np.diff(commands, axis=0) ** 2, axis=0)) / np.array([0.05, 0.2])
@@ -46,39 +48,17 @@ def score(method: str, layers: str, weights_file: str) -> float:
     return total
 
 
-def run(seed: int, shape: str, upper: UpperLayer, lower: LowerLayer | None) -> tuple[Array, Array]:
+def run(plant: KinematicPlant, stack: Stack) -> tuple[Array, Array]:
     """Errors (n, 3) of the estimated pose along the reference, and commands (m, 2)."""
-    plant, arbiter = KinematicPlant(ROBOT, seed), CommandArbiter(ArbiterSettings.from_robot(ROBOT))
-    reference = make_reference(ROBOT, ReferenceSettings(), ShapeSettings(shape=shape))
-    player, piece = TrajectoryPlayer(PlayerSettings(start_delay_s=0.6), reference), None
-    errors, commands = [], []
-    while player.progress < 1.0:
-        sample = plant.advance()
-        piece = player.update(sample.odometry).reference or piece
-        if piece is None:
-            continue
-        upper.set_reference(piece)
-        planned, command = upper.update(sample.odometry), None
-        if planned is not None:
-            command = planned.command
-            if lower is not None and planned.trajectory is not None:
-                lower.set_plan(planned.trajectory)
-        if lower is not None:
-            lower.set_slip(sample.slip)
-            output = lower.update(sample.odometry)
-            command = output.command if output is not None else None
-        sent = arbiter.offer("nav", command) if command is not None else None
-        if sent is not None:
-            plant.submit(sent)
-            upper.set_sent(sent)
-            if lower is not None:
-                lower.set_sent(sent)
-            commands.append([sent.twist.speed_mps, sent.twist.yaw_rate_radps])
-        if player.phase is Phase.PLAYING:
-            states, _ = piece.at(sample.odometry.stamp_ns, np.zeros(1))
-            pose = sample.odometry.pose
-            turned = angle_difference(pose.yaw_rad, float(states[0, 2]))
-            errors.append([pose.x_m - states[0, 0], pose.y_m - states[0, 1], turned])
+    errors, commands, piece = [], [], None
+    while stack.player.progress < 1.0:
+        reaction = stack.react(plant.advance().estimate)
+        piece = reaction.player.reference or piece
+        if reaction.sent is not None:
+            plant.submit(reaction.sent)
+            commands.append([reaction.sent.twist.speed_mps, reaction.sent.twist.yaw_rate_radps])
+        if piece is not None and stack.player.phase is Phase.PLAYING:
+            errors.append(tracking_error(reaction.estimate.odometry, piece))
     return np.array(errors), np.array(commands)
 
 

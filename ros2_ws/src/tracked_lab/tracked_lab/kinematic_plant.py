@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from tracked_description import Robot
+from tracked_localization.estimate import Estimate
 from tracked_localization.slip import SlipEstimator, SlipSettings
 from tracked_types import (
     Odometry,
     PeriodGrid,
     Pose2,
-    Slip,
     Twist2,
     VelocityCommand,
     seconds_between,
@@ -69,10 +69,9 @@ class Ground:
 
 @dataclass(frozen=True, slots=True)
 class PlantSample:
-    """What the plant shows at one instant of the odometry: estimates, and the truth behind them."""
+    """What the plant shows at one instant of the odometry: an estimate, and the truth behind it."""
 
-    odometry: Odometry
-    slip: Slip
+    estimate: Estimate
     truth: Pose2
     true_slip: Twist2
 
@@ -203,4 +202,4 @@ class KinematicPlant:
             self._twist.speed_mps - 0.5 * (self._belts[0] + self._belts[1]),
             self._twist.yaw_rate_radps - (self._belts[1] - self._belts[0]) / gauge,
         )
-        return PlantSample(odometry, slip, self.truth, true_slip)
+        return PlantSample(Estimate(odometry, slip), self.truth, true_slip)

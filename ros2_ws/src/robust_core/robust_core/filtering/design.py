@@ -65,8 +65,11 @@ def design_filter(
     if fastest_pole is not None:
         finite_number("fastest_pole", fastest_pole, low=0.0, open_low=True)
     check_plant(plant, region)
-    regions = [] if region is None else [tuple(to_float(matrix) for matrix in region.matrices)]
-    problem = Synthesis(plant.data(), index, size, regions, fastest_pole)  # type: ignore[arg-type]
+    regions = []
+    if region is not None:
+        offset, slope = region.matrices
+        regions.append((to_float(offset), to_float(slope)))
+    problem = Synthesis(plant.data(), index, size, regions, fastest_pole)
     unknowns = problem.unknowns
     linear = np.zeros(unknowns.size)
     linear[-1] = 1.0

@@ -24,7 +24,8 @@ def matrix_option(name: str, value: Any, shape: tuple[int | None, ...]) -> Matri
     exact = exact_array(finite_array(name, source, shape) if source.dtype.kind in "fiub" else source)
     finite_array(name, to_float(exact), shape)
     nested: Any = np.array(to_text(exact), dtype=object).reshape(exact.shape).tolist()
-    return _tuples(nested)  # type: ignore[no-any-return]
+    option: MatrixOption = _tuples(nested)
+    return option
 
 
 def option_array(option: MatrixOption, *, exact: bool) -> Any:
