@@ -14,13 +14,17 @@ RELIABLE_SENSORS = Parameter(
 )
 """For nodes that hear sensors; see `sensor`."""
 
-STATE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
-"""Estimates, plans and results that others wait for."""
+STATE = QoSProfile(depth=200, reliability=ReliabilityPolicy.RELIABLE)
+"""Estimates, plans, results and what a record must hold without a gap.
+
+A writer drops what falls out of its depth even before every reader has it. In lock-step the world waits for commands
+only, so an onlooker that gets no processor for some tenths of a second must find here what it missed.
+"""
 
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """Facts that late subscribers need: maps, static transforms, the robot description, e-stop."""
 
-COMMAND = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
+COMMAND = STATE
 """Commands; a lost one would stall a lock-step run."""
 
 

@@ -10,10 +10,10 @@ from tf2_msgs.msg import TFMessage
 
 from node_kit.conversions.transform import fill_transform, transforms_from_message
 from node_kit.node import StackNode
+from node_kit.qos import STATE
 from node_kit.rigid_transform import RigidTransform, StampedTransform
 from node_kit.transform_buffer import TransformBuffer
 
-_MOVING = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
 _STATIC = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _STATIC_SENDER = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
@@ -33,7 +33,7 @@ class TransformBroadcaster:
     def advertise(self) -> None:
         """Publish on tf from now on; a node that only sends fixed transforms is no publisher of it."""
         if self._publisher is None:
-            self._publisher = self._node.create_publisher(TFMessage, "tf", _MOVING)
+            self._publisher = self._node.create_publisher(TFMessage, "tf", STATE)
 
     def send(
         self,
@@ -82,7 +82,7 @@ class TransformListener:
 
     def __init__(self, node: StackNode, buffer: TransformBuffer | None = None) -> None:
         self.buffer = TransformBuffer() if buffer is None else buffer
-        node.subscribe_typed(TFMessage, "tf", transforms_from_message, self._on_moving, _MOVING)
+        node.subscribe_typed(TFMessage, "tf", transforms_from_message, self._on_moving, STATE)
         node.subscribe_typed(TFMessage, "tf_static", transforms_from_message, self._on_static, _STATIC)
         threshold = JumpThreshold(min_forward=None, min_backward=Duration(nanoseconds=-1), on_clock_change=True)
         self._jump = node.get_clock().create_jump_callback(threshold, post_callback=self._on_jump)
