@@ -23,6 +23,7 @@ from nmpc_layers.solver.samples import HIGH, LOW, winding_problems
 from tracked_description import load_robot
 from tracked_lab.kinematic_plant import KinematicPlant
 from tracked_lab.stack import Stack
+from tracked_lab.steering import NmpcLayers
 from tracked_report.results import write_metrics
 
 Array = NDArray[np.float64]
@@ -71,9 +72,11 @@ def recorded(seconds: float) -> tuple[list[Task], list[Task]]:
     robot = load_robot()
     tasks: tuple[list[Task], list[Task]] = ([], [])
     for run, shape in enumerate(("s_curve", "figure_eight")):
-        stack, plant = Stack(robot, {"trajectory_player": {"shape": shape}}), KinematicPlant(robot, SEED + run)
-        upper, lower = stack.upper, stack.lower
+        layers = NmpcLayers.from_parameters(robot, {})
+        upper, lower = layers.upper, layers.lower
         assert lower is not None
+        stack = Stack(robot, {"trajectory_player": {"shape": shape}}, layers)
+        plant = KinematicPlant(robot, SEED + run)
         upper.solver = upper_recorder = Recorder(Motion.KINEMATIC, upper.settings.horizon)
         lower.solver = lower_recorder = Recorder(Motion.LAG, lower.settings.horizon)
         for _ in range(round(60 * seconds)):

@@ -9,6 +9,7 @@ from nmpc_layers import Phase
 from tracked_description import load_robot
 from tracked_lab import Reaction, Stack
 from tracked_lab.kinematic_plant import Ground, KinematicPlant
+from tracked_lab.steering import NmpcLayers
 from tracked_lab.tracking import tracking_error
 from tracked_types import Twist2, VelocityCommand, angle_difference
 
@@ -126,7 +127,8 @@ def test_goal_pose_is_reached_within_two_centimetres(layers, method):
         *_, last = run(seed, stack, duration_s=30.0)
         distance_m, turn_rad = off_goal(stack, last)
         assert distance_m < 0.02 and turn_rad < 0.03
-        assert stack.upper.approach.phase is Phase.PARKED
+        assert isinstance(stack.steering, NmpcLayers)
+        assert stack.steering.upper.approach.phase is Phase.PARKED
         assert last.estimate.odometry.twist == Twist2(0.0, 0.0)
 
 

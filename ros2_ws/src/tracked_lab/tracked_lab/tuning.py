@@ -5,6 +5,9 @@ from typing import Any
 
 from tracked_types.setting import settings_of
 
+NodeParameters = Mapping[str, Mapping[str, Any]]
+"""Node name -> parameter name -> value, as `tracked_report.node_parameters.node_parameters` gives them."""
+
 
 class UnknownParameterError(ValueError):
     """A parameter belongs to no settings of its node; the text names node and parameter."""
