@@ -21,6 +21,8 @@ from nmpc_layers.solver import BoxSolver, Motion, Problem, Solution, TrackLimits
 from nmpc_layers.solver.oracle import IpoptOracle
 from nmpc_layers.solver.samples import HIGH, LOW, winding_problems
 from tracked_description import load_robot
+from tracked_lab.closed_loop import ClosedLoop
+from tracked_lab.kinematic_ground import Ground
 from tracked_lab.kinematic_plant import KinematicPlant
 from tracked_lab.stack import Stack
 from tracked_lab.steering import NmpcLayers
@@ -76,13 +78,13 @@ def recorded(seconds: float) -> tuple[list[Task], list[Task]]:
         upper, lower = layers.upper, layers.lower
         assert lower is not None
         stack = Stack(robot, {"trajectory_player": {"shape": shape}}, layers)
-        plant = KinematicPlant(robot, SEED + run)
+        loop = ClosedLoop(
+            KinematicPlant(robot, SEED + run, Ground.of_seed(SEED + run, obstacle=True, begin_s=2.0)), stack
+        )
         upper.solver = upper_recorder = Recorder(Motion.KINEMATIC, upper.settings.horizon)
         lower.solver = lower_recorder = Recorder(Motion.LAG, lower.settings.horizon)
-        for _ in range(round(60 * seconds)):
-            sent = stack.react(plant.advance().estimate).sent
-            if sent is not None:
-                plant.submit(sent)
+        for _ in range(round(robot.imu.rate_hz * seconds)):
+            loop.tick()
         tasks[0].extend(upper_recorder.tasks)
         tasks[1].extend(lower_recorder.tasks)
     return tasks

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from nmpc_layers import load_weights
 from nmpc_layers.solver import Weights
 from tracked_description import load_robot
+from tracked_lab.closed_loop import ClosedLoop
+from tracked_lab.kinematic_ground import Ground
 from tracked_lab.kinematic_plant import KinematicPlant
 from tracked_lab.stack import Stack
 from tracked_lab.tracking import tracking_error
@@ -40,7 +42,8 @@ def score(method: str, layers: str, weights_file: str) -> float:
             "upper_nmpc": {"layers": layers, "final_approach": False, **common},
             "lower_nmpc": common,
         }
-        errors, commands = run(KinematicPlant(ROBOT, seed), Stack(ROBOT, parameters))
+        plant = KinematicPlant(ROBOT, seed, Ground.of_seed(seed, obstacle=True, begin_s=1.0))
+        errors, commands = run(plant, Stack(ROBOT, parameters))
         rms = np.sqrt(np.mean(errors**2, axis=0)) / TYPICAL
         peak = np.ptp(errors, axis=0) / (4.0 * TYPICAL)
         nervous = np.sqrt(np.mean(np.diff(commands, axis=0) ** 2, axis=0)) / np.array([0.05, 0.2])
@@ -51,14 +54,14 @@ def score(method: str, layers: str, weights_file: str) -> float:
 def run(plant: KinematicPlant, stack: Stack) -> tuple[Array, Array]:
     """Errors (n, 3) of the estimated pose along the reference, and commands (m, 2)."""
     errors, commands, piece = [], [], None
+    loop = ClosedLoop(plant, stack)
     while stack.player.progress < 1.0:
-        reaction = stack.react(plant.advance().estimate)
-        piece = reaction.player.reference or piece
-        if reaction.sent is not None:
-            plant.submit(reaction.sent)
-            commands.append([reaction.sent.twist.speed_mps, reaction.sent.twist.yaw_rate_radps])
-        if piece is not None and stack.player.phase is Phase.PLAYING:
-            errors.append(tracking_error(reaction.estimate.odometry, piece))
+        for reaction in loop.tick():
+            piece = reaction.player.reference or piece
+            if reaction.sent is not None:
+                commands.append([reaction.sent.twist.speed_mps, reaction.sent.twist.yaw_rate_radps])
+            if piece is not None and stack.player.phase is Phase.PLAYING:
+                errors.append(tracking_error(reaction.estimate.odometry, piece))
     return np.array(errors), np.array(commands)
 
 
