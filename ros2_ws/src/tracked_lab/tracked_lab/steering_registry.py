@@ -6,6 +6,7 @@ from typing import Any
 
 from tracked_description import Robot
 from tracked_lab.conditions import NMPC
+from tracked_lab.fast_layer import FastLayer
 from tracked_lab.steering import NmpcLayers, Steering, Wire, direct
 from tracked_lab.tuning import NodeParameters
 
@@ -60,4 +61,4 @@ def _makers() -> Mapping[str, Any]:
         if error.name != "tracked_lab.peers":
             raise
         peers = {}
-    return peers
+    return {"fast_layer": FastLayer.from_parameters, **peers}
