@@ -14,6 +14,7 @@ from tracked_bringup.node_table import load_node_table
 SOURCE = ROOT / "ros2_ws" / "src"
 PACKAGES = sorted(file.parent.name for file in SOURCE.glob("*/setup.py"))
 KEYS = {
+    "cv2": "python3-opencv",
     "hypothesis": "python3-hypothesis",
     "jinja2": "python3-jinja2",
     "markupsafe": "python3-jinja2",
@@ -25,7 +26,10 @@ KEYS = {
     "yaml": "python3-yaml",
 }
 # From PyPI, with no key of their own (setup.py and requirements/ state them), or only where they happen to be.
-WITHOUT_KEY = {"casadi", "clarabel", "cvxopt", "daqp", "filterpy", "flint", "pybullet", "rosidl_parser", "scipy"}
+WITHOUT_KEY = {
+    *("casadi", "clarabel", "cvxopt", "dask", "daqp", "distributed", "do_mpc", "filterpy", "flint", "pyarrow"),
+    *("pybullet", "rosbags", "rosidl_parser", "scipy"),
+}
 # A robot does not have the simulator: its package is imported late, and only for simulated runs.
 OPTIONAL = {("tracked_bringup", "sim_bridge")}
 

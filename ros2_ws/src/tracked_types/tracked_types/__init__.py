@@ -11,6 +11,7 @@ from tracked_types.body_state import BodyState
 from tracked_types.command import VelocityCommand
 from tracked_types.goal import GoalReached
 from tracked_types.imu import ImuSample
+from tracked_types.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from tracked_types.odometry import Odometry
 from tracked_types.outline import Outline, OutlineKind
 from tracked_types.period_grid import PeriodGrid
@@ -27,17 +28,21 @@ from tracked_types.trajectory import Trajectory
 from tracked_types.twist import Twist2
 
 __all__ = [
+    "FREE",
     "LEFT_TRACK",
     "NANOSECONDS_PER_SECOND",
+    "OCCUPIED",
     "PIPELINE_LATENCY_S",
     "PLAN_RATE_HZ",
     "RIGHT_TRACK",
+    "UNKNOWN",
     "ArbiterMode",
     "ArbiterState",
     "BodyState",
     "GoalReached",
     "ImuSample",
     "LaserScan",
+    "OccupancyMap",
     "Odometry",
     "Outline",
     "OutlineKind",

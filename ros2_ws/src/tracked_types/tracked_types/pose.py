@@ -30,6 +30,13 @@ class Pose2:
             wrap_angle(self.yaw_rad + other.yaw_rad),
         )
 
+    def transform(self, points_m: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points (n, 2) of this pose's frame expressed in its parent frame (m)."""
+        cosine, sine = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
+        turned: NDArray[np.float64] = points_m @ np.array([[cosine, sine], [-sine, cosine]])
+        turned += np.array([self.x_m, self.y_m])
+        return turned
+
     def inverse(self) -> "Pose2":
         """Pose of the parent frame in this frame."""
         cosine, sine = math.cos(self.yaw_rad), math.sin(self.yaw_rad)

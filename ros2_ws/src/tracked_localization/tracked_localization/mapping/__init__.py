@@ -1,0 +1,1 @@
+"""Maps from laser scans, and their files."""

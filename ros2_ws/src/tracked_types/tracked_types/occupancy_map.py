@@ -1,0 +1,48 @@
+"""Occupancy of the ground plane on a grid."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracked_types.pose import Pose2
+
+UNKNOWN, FREE, OCCUPIED = -1, 0, 100
+
+
+@dataclass(frozen=True, slots=True)
+class OccupancyMap:
+    """Grid of square cells in ``frame_id``.
+
+    origin: pose of the outer corner of cell [0, 0]. occupancy: int8, shape (height, width), row along +y and
+    column along +x of the origin; -1 is unknown, else the chance of being occupied in percent, 0 to 100.
+
+    Raises
+    ------
+    ValueError: if the grid is not two-dimensional int8 or the resolution is not a positive number.
+    """
+
+    frame_id: str
+    resolution_m: float
+    origin: Pose2
+    occupancy: NDArray[np.int8]
+
+    def __post_init__(self) -> None:
+        if self.occupancy.ndim != 2 or self.occupancy.dtype != np.int8:
+            raise ValueError(
+                f"occupancy must be int8 (height, width), got {self.occupancy.dtype} {self.occupancy.shape}"
+            )
+        if not 0.0 < self.resolution_m < float("inf"):
+            raise ValueError(f"resolution_m must be positive and finite, got {self.resolution_m}")
+        if not np.isfinite(self.origin.as_array()).all():
+            raise ValueError(f"origin must be finite, got {self.origin}")
+
+    def cells_of(self, points_m: NDArray[np.float64]) -> NDArray[np.intp]:
+        """Row and column, (n, 2), of points (n, 2) of the map's frame; they may lie outside the grid."""
+        along = self.origin.inverse().transform(points_m)
+        return np.floor(along[:, ::-1] / self.resolution_m).astype(np.intp)
+
+    def centres_of(self, cells: NDArray[np.intp]) -> NDArray[np.float64]:
+        """Centres (n, 2) in the map's frame of cells (n, 2), each row and column."""
+        along = (cells[:, ::-1].astype(np.float64) + 0.5) * self.resolution_m
+        return self.origin.transform(along)
