@@ -100,6 +100,8 @@ class Vehicle:
         self._contacts = new_contacts()
         self.contact_count = 0
         self.step_index = 0
+        self.yaw_torque_nm = 0.0
+        """Torque about the vertical by which somebody turns the robot, held until it is changed."""
         self.place(start)
 
     def place(self, pose: Pose2) -> None:
@@ -156,7 +158,8 @@ class Vehicle:
         pybullet.applyExternalForce(
             self._chassis, -1, wrench[:3], self._body[:3], pybullet.WORLD_FRAME, physicsClientId=client
         )
-        pybullet.applyExternalTorque(self._chassis, -1, wrench[3:], pybullet.WORLD_FRAME, physicsClientId=client)
+        torque = (wrench[3], wrench[4], wrench[5] + self.yaw_torque_nm)
+        pybullet.applyExternalTorque(self._chassis, -1, torque, pybullet.WORLD_FRAME, physicsClientId=client)
         if touching:
             self._probes.push_back(self.entities, contacts)
         pybullet.stepSimulation(physicsClientId=client)

@@ -29,7 +29,7 @@ def make_plant(scenario: Scenario, robot: Robot, parameters: NodeParameters, con
         # The physics engine is loaded by those alone who need it.
         from tracked_lab.belt_world import BeltWorld
 
-        return BeltWorld(robot, simulated, scenario.faults, conditions)
+        return BeltWorld(robot, simulated, scenario.faults, conditions, begin_s)
     if scenario.faults:
         raise ValueError("faults: the kinematic plant knows none; they belong to the plant called belts")
     listed = {"start_pose": simulated["start_pose"]} if "start_pose" in simulated else {}

@@ -8,13 +8,16 @@ from sim_bridge.scene_settings import SceneSettings
 from sim_bridge.simulator import Simulator, SimulatorSettings
 from tracked_description import Robot
 from tracked_lab.tuning import check_known, tuning_of
+from tracked_types import Pose2
 
 _LISTED = ("start_pose",)  # of SceneSettings, but a list is no tunable field
 _MEANINGLESS = ("time_mode",)
 
 
-def make_simulator(robot: Robot, parameters: Mapping[str, Any]) -> Simulator:
+def make_simulator(robot: Robot, parameters: Mapping[str, Any], moved: Pose2 | None = None) -> Simulator:
     """Simulator from the parameters of the sim_bridge node; pacing is meaningless here and is ignored.
+
+    ``moved``: where the robot stands instead, in the frame of its start pose.
 
     Raises
     ------
@@ -25,6 +28,8 @@ def make_simulator(robot: Robot, parameters: Mapping[str, Any]) -> Simulator:
     listed = {name: parameters[name] for name in _LISTED if name in parameters}
     scene = SceneSettings(**listed, **tuning_of(SceneSettings, parameters))
     world, start = scene.load()
+    if moved is not None:
+        start = start.compose(moved)
     return Simulator(
         robot,
         world,
