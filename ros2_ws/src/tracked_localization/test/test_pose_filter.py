@@ -117,6 +117,15 @@ def test_rest_freezes_the_pose_and_learns_the_bias(pose_filter):
     assert pose_filter.covariance[BIAS, BIAS] < 1e-6
 
 
+def test_first_reading_at_rest_does_not_move_the_pose_after_minutes_with_an_unsure_bias(pose_filter):
+    drive(pose_filter, 120.0, 0.3, 0.0)
+    frozen = pose_filter.odometry(0).pose
+    pose_filter.come_to_rest()
+    pose_filter.update_gyro(0.01, 0, standing=True)
+    assert pose_filter.odometry(0).pose == frozen
+    assert pose_filter.gyro_bias_radps > 0.005
+
+
 def test_interruption_keeps_the_pose_and_the_bias(pose_filter):
     drive(pose_filter, 2.0, 0.3, 0.2)
     before, bias = pose_filter.odometry(0), pose_filter.gyro_bias_radps

@@ -130,8 +130,13 @@ class PoseFilter:
         keep_positive_definite(self._ekf.P)
 
     def come_to_rest(self) -> None:
-        """The pose is frozen from now on, although the body may still sway on its belts."""
+        """The pose is frozen from now on, although the body may still sway on its belts.
+
+        What rest tells of the gyro's bias must not move it either: after minutes with an unsure bias, the noise of the
+        first reading at rest would.
+        """
         self._ekf.P[YAW, YAW] += self._settings.settling_yaw_rad**2
+        forget(self._ekf.P, BIAS, self.gyro_bias_variance)
 
     def stand(self, duration_s: float) -> None:
         """Let ``duration_s`` pass at rest: only the gyro's bias may change."""
