@@ -86,12 +86,18 @@ class LogOddsGrid:
         np.clip(self._log_odds[window], -settings.most, settings.most, out=self._log_odds[window])
         self._log_odds[rows, columns] = np.minimum(self._log_odds[rows, columns], settings.most)
 
-    def as_map(self) -> OccupancyMap:
-        """The chance of each cell to be occupied; cells never seen are unknown."""
-        percent = np.rint(100.0 / (1.0 + np.exp(-self._log_odds))).astype(np.int8)
-        percent[~self._seen] = UNKNOWN
+    def as_map(self, around: Pose2 | None = None, radius_m: float = math.inf) -> OccupancyMap:
+        """The chance of each cell to be occupied, of all or of those near a place; cells never seen are unknown."""
         resolution = self.settings.resolution_m
-        corner = self._corner * resolution
+        low, high = np.zeros(2, np.int64), np.array(self._log_odds.shape[::-1])
+        if around is not None and math.isfinite(radius_m):
+            centre = np.floor(np.array([around.x_m, around.y_m]) / resolution).astype(np.int64) - self._corner
+            reach = math.ceil(radius_m / resolution)
+            low, high = np.clip(centre - reach, 0, high), np.clip(centre + reach + 1, 0, high)
+        window = (slice(low[1], high[1]), slice(low[0], high[0]))
+        percent = np.rint(100.0 / (1.0 + np.exp(-self._log_odds[window]))).astype(np.int8)
+        percent[~self._seen[window]] = UNKNOWN
+        corner = (self._corner + low) * resolution
         return OccupancyMap(self.frame_id, resolution, Pose2(float(corner[0]), float(corner[1]), 0.0), percent)
 
     def _clearing_ends(self, origin: Array, ends: Array) -> Array:
