@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from tracked_types import BodyState, GoalReached, Odometry, Slip, SolverStatus, TrackSample, Trajectory, VelocityCommand
 
 Row = tuple[int, tuple[float, ...]]
@@ -28,10 +30,10 @@ class ChannelKind:
 
 
 def _truth(state: BodyState) -> Iterable[Row]:
-    x, y, z = state.position_m
-    roll, pitch, yaw = state.roll_pitch_yaw_rad
-    speed, lateral, _ = state.velocity_mps
-    yield state.stamp_ns, (x, y, z, roll, pitch, yaw, speed, lateral, state.angular_velocity_radps[2])
+    speed, lateral, _ = state.velocity_mps.tolist()
+    turning = float(state.angular_velocity_radps[2])
+    pose = (*state.position_m.tolist(), *state.roll_pitch_yaw_rad.tolist())
+    yield state.stamp_ns, (*pose, speed, lateral, turning)
 
 
 def _acceleration(state: BodyState) -> Iterable[Row]:
@@ -39,7 +41,7 @@ def _acceleration(state: BodyState) -> Iterable[Row]:
 
 
 def _odometry(odometry: Odometry) -> Iterable[Row]:
-    pose, twist, variances = odometry.pose, odometry.twist, odometry.pose_covariance.diagonal()
+    pose, twist, variances = odometry.pose, odometry.twist, odometry.pose_covariance.diagonal().tolist()
     yield odometry.stamp_ns, (pose.x_m, pose.y_m, pose.yaw_rad, twist.speed_mps, twist.yaw_rate_radps, *variances)
 
 
@@ -54,12 +56,13 @@ def _tracks(sample: TrackSample) -> Iterable[Row]:
 
 
 def _points(trajectory: Trajectory) -> Iterable[Row]:
-    for time_s, state, inputs in zip(trajectory.times_s, trajectory.states, trajectory.inputs, strict=True):
-        yield trajectory.stamp_ns + round(float(time_s) * 1e9), (*state, *inputs)
+    rows = np.column_stack([trajectory.states, trajectory.inputs]).tolist()
+    for time_s, row in zip(trajectory.times_s.tolist(), rows, strict=True):
+        yield trajectory.stamp_ns + round(time_s * 1e9), tuple(row)
 
 
 def _first_point(trajectory: Trajectory) -> Iterable[Row]:
-    yield trajectory.start_ns, (*trajectory.states[0], *trajectory.inputs[0])
+    yield trajectory.start_ns, (*trajectory.states[0].tolist(), *trajectory.inputs[0].tolist())
 
 
 def _command(command: VelocityCommand) -> Iterable[Row]:

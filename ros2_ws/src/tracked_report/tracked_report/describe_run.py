@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from datetime import UTC, datetime
+from functools import cache
 
 from tracked_description import Robot
 from tracked_report.machine import describe_machine, git_commit, package_versions
@@ -28,7 +29,7 @@ def describe_run(scenario: Scenario, variant: str, robot: Robot, scene: Iterable
         variant_description=scenario.variants[variant].description,
         seed=scenario.seed,
         created=datetime.now(UTC).isoformat(timespec="seconds"),
-        commit=git_commit(),
+        commit=_commit(),
         world=scenario.world,
         time=scenario.time,
         suspension=scenario.suspension_of(variant) or robot.suspension.kind,
@@ -39,6 +40,12 @@ def describe_run(scenario: Scenario, variant: str, robot: Robot, scene: Iterable
             yaw_rate_max_radps=robot.limits.yaw_rate_max_radps,
         ),
         scene=tuple(scene),
-        machine=describe_machine(),
-        versions=package_versions(),
+        machine=_machine(),
+        versions=_versions(),
     )
+
+
+# A process describes many runs, and asking git and the packages takes as long as the start of a run.
+_commit = cache(git_commit)
+_machine = cache(describe_machine)
+_versions = cache(package_versions)

@@ -1,14 +1,14 @@
 """Collects a run while it happens, from the typed values that lab and recorder node both have."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from tracked_report.channel import Channel
-from tracked_report.channels import CHANNELS, Row
+from tracked_report.channels import CHANNELS
 from tracked_report.run_record import Event, RunMeta, RunRecord
 
 
@@ -19,11 +19,11 @@ class _Rows:
     values: list[tuple[float, ...]] = field(default_factory=list)
     arrivals_s: list[float] = field(default_factory=list)
 
-    def append(self, stamp_ns: int, values: Sequence[float], arrival_s: float) -> None:
+    def append(self, stamp_ns: int, values: tuple[float, ...], arrival_s: float) -> None:
         if len(values) != len(self.columns):
             raise ValueError(f"expected {', '.join(self.columns)}; got {len(values)} numbers")
-        self.stamps_ns.append(int(stamp_ns))
-        self.values.append(tuple(float(value) for value in values))
+        self.stamps_ns.append(stamp_ns)
+        self.values.append(values)
         self.arrivals_s.append(arrival_s)
 
     def drop_from(self, stamp_ns: int) -> None:
@@ -57,10 +57,16 @@ class RunRecorder:
 
         Raises KeyError for a channel that the table does not know.
         """
-        if channel not in CHANNELS:
+        kind = CHANNELS.get(channel)
+        if kind is None:
             raise KeyError(f"no channel {channel!r}; there are {', '.join(CHANNELS)}")
-        kind = CHANNELS[channel]
-        self._extend(channel, kind.columns, kind.rows(value), arrival_s, kind.newest_wins)
+        kept = self._rows_of(channel, kind.columns)
+        first = kind.newest_wins
+        for stamp_ns, values in kind.rows(value):
+            if first:
+                kept.drop_from(stamp_ns)
+                first = False
+            kept.append(stamp_ns, values, arrival_s)
 
     def add_row(
         self,
@@ -79,7 +85,8 @@ class RunRecorder:
             if channel not in CHANNELS:
                 raise KeyError(f"channel {channel!r} is not in the table: name its columns")
             columns = CHANNELS[channel].columns
-        self._extend(channel, columns, [(stamp_ns, tuple(values))], arrival_s, newest_wins=False)
+        numbers = tuple(float(value) for value in values)
+        self._rows_of(channel, columns).append(int(stamp_ns), numbers, arrival_s)
 
     def add_event(self, stamp_ns: int, source: str, text: str) -> None:
         """Append something that happened once."""
@@ -89,11 +96,8 @@ class RunRecorder:
         """Everything collected so far."""
         return RunRecord(meta, {name: rows.channel() for name, rows in self._rows.items()}, tuple(self._events))
 
-    def _extend(
-        self, channel: str, columns: tuple[str, ...], rows: Iterable[Row], arrival_s: float, newest_wins: bool
-    ) -> None:
-        kept = self._rows.setdefault(channel, _Rows(columns))
-        for index, (stamp_ns, values) in enumerate(rows):
-            if newest_wins and index == 0:
-                kept.drop_from(stamp_ns)
-            kept.append(stamp_ns, values, arrival_s)
+    def _rows_of(self, channel: str, columns: tuple[str, ...]) -> _Rows:
+        kept = self._rows.get(channel)
+        if kept is None:
+            kept = self._rows[channel] = _Rows(columns)
+        return kept

@@ -1,14 +1,19 @@
 """Solver of the problem with box limits on the commands."""
 
 import math
+from pathlib import Path
+from typing import Any
 
-from nmpc_layers.solver.code_cache import compiled
+from nmpc_layers.solver.code_cache import cache_directory, compiled
 from nmpc_layers.solver.function_buffer import FunctionBuffer
 from nmpc_layers.solver.motion_model import Motion
 from nmpc_layers.solver.problem import Problem
 from nmpc_layers.solver.riccati import riccati_iteration
 from nmpc_layers.solver.solution import Outcome, Solution
 from nmpc_layers.solver.warm_start import WarmStart
+
+_MACHINE_CODE: dict[tuple[Motion, int, Path], Any] = {}
+"""Iterations that this process has loaded: building one to look it up in the cache takes longer than most solves."""
 
 
 class BoxSolver(WarmStart):
@@ -32,10 +37,7 @@ class BoxSolver(WarmStart):
         use_compiler: bool = True,
     ) -> None:
         super().__init__(motion, horizon)
-        function = riccati_iteration(motion, horizon)
-        self.interpreter_reason = "" if use_compiler else "not asked to compile"
-        if use_compiler:
-            function, self.interpreter_reason = compiled(function)
+        function, self.interpreter_reason = _iteration(motion, horizon, use_compiler)
         self._iteration_limit, self._tolerance = iteration_limit, tolerance
         self._buffer = FunctionBuffer(function)
 
@@ -76,3 +78,16 @@ class BoxSolver(WarmStart):
                 break
         self._guess[:] = commands
         return Solution(commands.copy(), result["states"].copy(), cost, iterations, outcome)
+
+
+def _iteration(motion: Motion, horizon: int, use_compiler: bool) -> tuple[Any, str]:
+    """The function of one iteration, and the reason why it is not machine code ("" if it is)."""
+    if not use_compiler:
+        return riccati_iteration(motion, horizon), "not asked to compile"
+    key = (motion, horizon, cache_directory())
+    if key in _MACHINE_CODE:
+        return _MACHINE_CODE[key], ""
+    function, reason = compiled(riccati_iteration(motion, horizon))
+    if not reason:
+        _MACHINE_CODE[key] = function
+    return function, reason
