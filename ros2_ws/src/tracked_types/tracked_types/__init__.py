@@ -17,6 +17,7 @@ from tracked_types.outline import Outline, OutlineKind
 from tracked_types.period_grid import PeriodGrid
 from tracked_types.plan_timing import PIPELINE_LATENCY_S, PLAN_RATE_HZ
 from tracked_types.pose import Pose2
+from tracked_types.pose_sample import PoseSample
 from tracked_types.scan import LaserScan
 from tracked_types.setting import check_settings, setting, settings_of
 from tracked_types.slip import Slip
@@ -48,6 +49,7 @@ __all__ = [
     "OutlineKind",
     "PeriodGrid",
     "Pose2",
+    "PoseSample",
     "Slip",
     "SolverStatus",
     "StampOrder",
