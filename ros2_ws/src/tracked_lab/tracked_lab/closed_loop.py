@@ -2,12 +2,13 @@
 
 from sim_bridge.command_intake import CommandRefused
 from tracked_lab.conditions import Conditions
+from tracked_lab.lidar_pose import LidarPose
 from tracked_lab.links import LinkScheduler
 from tracked_lab.plant import Plant, PlantBatch
 from tracked_lab.stack import Reaction, Stack
 from tracked_localization import Estimate
 from tracked_report.run_recorder import RunRecorder
-from tracked_types import ImuSample, Slip, TrackSample, VelocityCommand
+from tracked_types import ImuSample, PoseSample, Slip, TrackSample, VelocityCommand
 
 
 class ClosedLoop:
@@ -16,16 +17,24 @@ class ClosedLoop:
     Parameters
     ----------
     links: the scheduler that the stack's own links belong to; ideal links by default.
+    lidar_pose: measures the pose for the filter; nobody by default.
     oracle_slip: whether the steering gets the true slip.
     """
 
     def __init__(
-        self, plant: Plant, stack: Stack, links: LinkScheduler | None = None, *, oracle_slip: bool = False
+        self,
+        plant: Plant,
+        stack: Stack,
+        links: LinkScheduler | None = None,
+        *,
+        lidar_pose: LidarPose | None = None,
+        oracle_slip: bool = False,
     ) -> None:
         self.recorder = RunRecorder()
         self._plant = plant
         self._stack = stack
         self._links = links or LinkScheduler(Conditions().links, 0)
+        self._lidar_pose = lidar_pose
         self._oracle = oracle_slip
         self._true_slip: dict[int, Slip] = {}
         self._reactions: list[Reaction] = []
@@ -41,6 +50,11 @@ class ClosedLoop:
             links.send("imu", imu, self._hear_imu)
         for tracks in batch.tracks:
             links.send("tracks", tracks, self._hear_tracks)
+        if self._lidar_pose is not None:
+            for state in batch.truth:
+                pose = self._lidar_pose.update(state)
+                if pose is not None:
+                    links.send_after(self._lidar_pose.latency_ns, "pose", pose, self._hear_pose)
         return self._reactions
 
     def _hear_imu(self, sample: ImuSample) -> None:
@@ -48,6 +62,9 @@ class ClosedLoop:
 
     def _hear_tracks(self, sample: TrackSample) -> None:
         self._publish(self._stack.filter.add_tracks(sample))
+
+    def _hear_pose(self, sample: PoseSample) -> None:
+        self._publish(self._stack.filter.add_pose(sample))
 
     def _publish(self, estimates: list[Estimate]) -> None:
         for estimate in estimates:

@@ -47,8 +47,11 @@ class LinkScheduler:
         if delay_ns == 0:
             receiver(item)
             return
-        self._sequence += 1
-        heapq.heappush(self._under_way, (self.now_ns + delay_ns, way.rank, self._sequence, item, receiver))
+        self._post(self.now_ns + delay_ns, way.rank, item, receiver)
+
+    def send_after(self, duration_ns: int, name: LinkName, item: Any, receiver: Callable[[Any], None]) -> None:
+        """`send`, ``duration_ns`` from now: for what its sender needs that long to make."""
+        self._post(self.now_ns + duration_ns, self._ways[name].rank, item, partial(self.send, name, receiver=receiver))
 
     def wire(self, name: LinkName) -> Wire:
         """`send` over one link."""
@@ -60,6 +63,10 @@ class LinkScheduler:
             self.now_ns, _, _, item, receiver = heapq.heappop(self._under_way)
             receiver(item)
         self.now_ns = stamp_ns
+
+    def _post(self, at_ns: int, rank: int, item: Any, receiver: Callable[[Any], None]) -> None:
+        self._sequence += 1
+        heapq.heappush(self._under_way, (at_ns, rank, self._sequence, item, receiver))
 
 
 class _Way:

@@ -7,6 +7,7 @@ from sim_bridge.world import load_world
 from tracked_description import Robot, load_robot
 from tracked_lab.closed_loop import ClosedLoop
 from tracked_lab.conditions import Conditions
+from tracked_lab.lidar_pose import LidarPose
 from tracked_lab.links import LinkScheduler
 from tracked_lab.plants import make_plant
 from tracked_lab.stack import Stack
@@ -54,7 +55,9 @@ def drive(
     )
     stack = Stack(robot, parameters, steering, links.wire("reference"))
     plant = make_plant(scenario, robot, parameters, conditions)
-    loop = ClosedLoop(plant, stack, links, oracle_slip=conditions.slip_source == "oracle")
+    lidar_pose = LidarPose(robot, scenario.seed, plant.start) if conditions.pose == "lidar" else None
+    oracle_slip = conditions.slip_source == "oracle"
+    loop = ClosedLoop(plant, stack, links, lidar_pose=lidar_pose, oracle_slip=oracle_slip)
     try:
         end_s = scenario.duration_s
         while (now_s := seconds_between(plant.stamp_ns, 0)) < end_s:
