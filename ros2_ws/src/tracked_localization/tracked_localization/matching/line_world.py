@@ -33,8 +33,8 @@ class LineWorld:
         ranges = self.ranges(lidar, headings)
         if generator is not None:
             ranges = ranges + noise_m * generator.standard_normal(beams)
-        ranges = np.where(ranges > range_max_m, np.inf, ranges).astype(np.float32)
-        return LaserScan(stamp_ns, "laser", -np.pi, 2.0 * np.pi / beams, 0.0, 0.1, 0.15, range_max_m, ranges)
+        seen = np.where(ranges > range_max_m, np.inf, ranges).astype(np.float32)
+        return LaserScan(stamp_ns, "laser", -np.pi, 2.0 * np.pi / beams, 0.0, 0.1, 0.15, range_max_m, seen)
 
     def ranges(self, origin: Pose2, headings_rad: Array) -> Array:
         """Distance (n,) along each heading in the world to the nearest wall; inf where there is none."""

@@ -58,4 +58,5 @@ def _as_of(stamp_ns: int, ends: Array, stamps_ns: NDArray[np.int64], history: Po
     shifted = np.column_stack([np.cos(back) * x - np.sin(back) * y, np.sin(back) * x + np.cos(back) * y])
     cosine, sine = np.cos(yaw), np.sin(yaw)
     turned = np.column_stack([cosine * ends[:, 0] - sine * ends[:, 1], sine * ends[:, 0] + cosine * ends[:, 1]])
-    return np.add(turned, shifted)
+    placed: Array = turned + shifted
+    return placed
