@@ -7,9 +7,10 @@ from sim_bridge.world import load_world
 from tracked_description import Robot, load_robot
 from tracked_lab.closed_loop import ClosedLoop
 from tracked_lab.conditions import Conditions
+from tracked_lab.kinematic_ground import OBSTACLE_S
 from tracked_lab.lidar_pose import LidarPose
 from tracked_lab.links import LinkScheduler
-from tracked_lab.plants import make_plant
+from tracked_lab.plants import make_plant, reference_begins_s
 from tracked_lab.stack import Stack
 from tracked_lab.steering_registry import steering_of_run
 from tracked_report.describe_run import describe_run
@@ -68,5 +69,11 @@ def drive(
         plant.close()
     meta = describe_run(scenario, variant, robot, floor_plan(load_world(scenario.world)))
     start = plant.start
-    odom_in_world = (start.x_m, start.y_m, start.yaw_rad)
-    return loop.recorder.record(meta.model_copy(update={"time": "lock_step", "odom_in_world": odom_in_world}))
+    begin_s = reference_begins_s(robot, parameters)
+    known = {
+        "time": "lock_step",
+        "odom_in_world": (start.x_m, start.y_m, start.yaw_rad),
+        "disturbed_s": tuple(begin_s + after_s for after_s in OBSTACLE_S) if conditions.obstacle else None,
+        "notes": {"conditions": conditions.model_dump_json(exclude_defaults=True)},
+    }
+    return loop.recorder.record(meta.model_copy(update=known))

@@ -101,6 +101,40 @@ def test_a_robot_that_stays_outside_the_bounds_has_no_settling_time():
     assert "did not settle" in sheet.missing["settling_s"]
 
 
+def disturbed(outside_s, error=(0.0, 0.05, 0.0), disturbed_s=(1.1, 1.3)):
+    """Off by ``error`` at the given times after the start, on the reference otherwise."""
+    times = STAMPS / 1e9 - 1.0
+    off = np.zeros(len(times))
+    for begin, end in outside_s:
+        off[(times >= begin) & (times < end)] = 1.0
+    return run(tuple(off * size for size in error), disturbed_s=disturbed_s)
+
+
+def recovery(*outside_s, hold_s=0.2, **kwargs):
+    chosen = dataclasses.replace(SETTINGS, recovered_hold_s=hold_s)
+    return tracking_metrics(disturbed(outside_s, **kwargs), "estimated", chosen)
+
+
+def test_recovery_is_the_time_from_the_end_of_the_disturbance_until_the_errors_stay_small():
+    assert recovery((0.1, 0.5)).values["recovery_s"] == pytest.approx(0.2, abs=0.02)
+    assert recovery((0.1, 0.5), (0.6, 0.7)).values["recovery_s"] == pytest.approx(0.4, abs=0.02)
+    assert recovery((0.1, 0.5), (0.8, 0.9)).values["recovery_s"] == pytest.approx(0.2, abs=0.02)
+    assert recovery((0.1, 0.2)).values["recovery_s"] == pytest.approx(0.0, abs=0.02)
+    assert recovery((0.1, 0.5), error=(0.0, 0.0, -0.06)).values["recovery_s"] == pytest.approx(0.2, abs=0.02)
+    assert recovery((0.1, 0.5), error=(0.02, 0.0, 0.04)).values["recovery_s"] == pytest.approx(0.0, abs=0.02)
+
+
+@pytest.mark.parametrize("outside_s", [[(0.1, 2.0)], [(0.1, 0.9)]])
+def test_a_robot_that_does_not_come_back_or_not_for_long_enough_has_no_recovery_time(outside_s):
+    assert "did not recover" in recovery(*outside_s).missing["recovery_s"]
+
+
+def test_a_record_that_ends_before_the_disturbance_does_has_no_recovery_time_and_a_plain_run_has_no_such_figure():
+    assert "did not recover" in recovery((0.1, 0.5), disturbed_s=(2.0, 3.0)).missing["recovery_s"]
+    plain = recovery((0.1, 0.5), disturbed_s=None)
+    assert "recovery_s" not in {**plain.values, **plain.missing}
+
+
 def test_nan_rows_are_left_out_of_the_figures():
     record = synthetic_record(SHORT)
     odometry = record.channel("odometry")

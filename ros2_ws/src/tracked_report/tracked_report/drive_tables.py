@@ -27,6 +27,8 @@ OTHER_FIGURES = (
     ("true.final_distance_m", "distance left at the end, true (m)"),
     ("estimated.final_theta_rad", "heading left at the end, estimated (rad)"),
     ("estimated.settling_s", "settling after the reference has come to rest, estimated (s)"),
+    ("estimated.recovery_s", "recovery from the sudden change of pose, estimated (s)"),
+    ("true.recovery_s", "recovery from the sudden change of pose, true (s)"),
     ("slip.speed_rms_mps", "slip speed, RMS error of the estimate (m/s)"),
     ("slip.yaw_rate_rms_radps", "slip yaw rate, RMS error of the estimate (rad/s)"),
     ("ride.vertical_peak_mps2", "vertical acceleration, peak (m/s²)"),

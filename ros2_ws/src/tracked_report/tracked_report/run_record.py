@@ -45,6 +45,7 @@ class RunMeta(CheckedModel):
 
     odom_in_world: x (m), y (m), yaw (rad) of the odom frame's origin in the world frame of the truth.
     wall_duration_s: wall time the run took, None if nobody measured it.
+    disturbed_s: begin and end of a sudden change of the robot's pose by force, in simulated time; None without one.
     """
 
     scenario: str
@@ -60,6 +61,7 @@ class RunMeta(CheckedModel):
     pipeline_latency_s: float | None = None
     wall_duration_s: float | None = None
     odom_in_world: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    disturbed_s: tuple[float, float] | None = None
     limits: CommandLimits | None = None
     scene: tuple[Outline, ...] = ()
     machine: dict[str, str | int | float] = Field(default_factory=dict)

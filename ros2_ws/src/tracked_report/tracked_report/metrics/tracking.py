@@ -72,8 +72,8 @@ def tracking(record: RunRecord, frame: Frame, settings: MetricSettings) -> Track
 
 def tracking_metrics(record: RunRecord, frame: Frame, settings: MetricSettings) -> MetricSheet:
     """Figures of the tracking error, keys ``<kind>_<axis>_<unit>``: ptop (5.3.1), rms (5.3.2), max per axis;
-    rms and max of the distance; settling time and what remains at the end; share of the reference's time
-    for which there are samples at all."""
+    rms and max of the distance; recovery time after a sudden change of the pose, if there was one; settling time and
+    what remains at the end; share of the reference's time for which there are samples at all."""
     sheet = MetricSheet()
     run = tracking(record, frame, settings)
     sheet.put("covered_percent", _covered_percent(run, int(record.channel("reference").clean().stamps_ns[0])))
@@ -85,6 +85,9 @@ def tracking_metrics(record: RunRecord, frame: Frame, settings: MetricSettings) 
     distance = np.hypot(run.error[:, 0], run.error[:, 1])
     sheet.put("rms_distance_m", root_mean_square(distance[run.counted]))
     sheet.put("max_distance_m", peak(distance[run.counted]))
+    if record.meta.disturbed_s is not None:
+        end_ns = to_nanoseconds(record.meta.disturbed_s[1])
+        sheet.put("recovery_s", _recovery_s(run, distance, end_ns, settings), "the robot did not recover")
     if run.stamps_ns[-1] < run.rest_ns:
         sheet.missing["final"] = "the record ends before the reference comes to rest"
         return sheet
@@ -134,3 +137,24 @@ def _settling_s(run: Tracking, distance: Array, settings: MetricSettings) -> flo
     last = np.flatnonzero(outside)
     settled_ns = run.stamps_ns[last[-1] + 1] if len(last) else run.stamps_ns[0]
     return max(0.0, float(settled_ns - run.rest_ns) * 1e-9)
+
+
+def _recovery_s(run: Tracking, distance: Array, end_ns: int, settings: MetricSettings) -> float:
+    """Time from the end of a disturbance until the errors are within the bounds and stay there for the time to hold.
+
+    NaN if they never do.
+    """
+    inside = (distance <= settings.recovered_position_m) & (np.abs(run.error[:, 2]) <= settings.recovered_yaw_rad)
+    after = run.stamps_ns >= end_ns
+    stamps, inside = run.stamps_ns[after], inside[after]
+    if not len(stamps):
+        return math.nan
+    hold_ns = to_nanoseconds(settings.recovered_hold_s)
+    # Every stretch within the bounds begins at the disturbance's end or right after a sample outside them.
+    outside = stamps[~inside]
+    begins = np.concatenate([[-1], np.flatnonzero(~inside)]) + 1
+    ends = np.append(outside, stamps[-1:])
+    for begin, stretch_end in zip(begins.tolist(), ends.tolist(), strict=True):
+        if begin < len(stamps) and stretch_end - stamps[begin] >= hold_ns:
+            return float(stamps[begin] - end_ns) * 1e-9
+    return math.nan
