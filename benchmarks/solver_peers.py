@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from nmpc_layers.solver.motion_model import Motion, MotionParameters, next_state
 from nmpc_layers.solver.problem import Problem
+from nmpc_layers.solver.terminal_weight import PACKED_COUNT, weighed
+from nmpc_layers.solver.weights import STAGE_COUNT, WEIGHT_COUNT
 
 Array = NDArray[np.float64]
 
@@ -24,10 +26,10 @@ class OptiPeer:
         self._targets, self._parameters, self._weights = (
             opti.parameter(2, horizon),
             opti.parameter(7),
-            opti.parameter(8),
+            opti.parameter(WEIGHT_COUNT),
         )
         self._low, self._high = opti.parameter(2), opti.parameter(2)
-        cost = casadi.dot(self._weights[5:8], (self._states[:3, horizon] - self._reference[:, horizon]) ** 2)
+        cost = weighed(self._weights[STAGE_COUNT:], self._states[:3, horizon] - self._reference[:, horizon])
         opti.subject_to(self._states[:, 0] == self._start)
         for stage in range(horizon):
             state, command = self._states[:, stage], self._commands[:, stage]
@@ -52,7 +54,7 @@ class OptiPeer:
         opti.set_value(self._reference, problem.state_reference.T)
         opti.set_value(self._targets, problem.input_reference.T)
         opti.set_value(self._parameters, problem.parameters.as_array())
-        opti.set_value(self._weights, problem.weights.as_array())
+        opti.set_value(self._weights, problem.weight_array())
         opti.set_value(self._low, problem.low)
         opti.set_value(self._high, problem.high)
         opti.set_initial(self._states[:3, :], problem.state_reference.T)
@@ -76,16 +78,17 @@ class DoMpcPeer:
             model.set_variable("_tvp", "target", (2, 1)),
         )
         parameters = model.set_variable("_tvp", "parameters", (7, 1))
+        last = model.set_variable("_tvp", "last", (PACKED_COUNT, 1))
         model.set_rhs("state", next_state(motion, state, command, parameters))
         model.setup()
-        weights = casadi.DM(sample.weights.as_array())
+        weights = casadi.DM(sample.weight_array())
         controller = do_mpc.controller.MPC(model)
         controller.settings.n_horizon, controller.settings.t_step = horizon, sample.parameters.period_s
         controller.settings.store_full_solution = False
         controller.settings.supress_ipopt_output()
         error = state[:3] - reference
         stage = casadi.dot(weights[:3], error**2) + casadi.dot(weights[3:5], (command - target) ** 2)
-        controller.set_objective(lterm=stage, mterm=casadi.dot(weights[5:8], error**2))
+        controller.set_objective(lterm=stage, mterm=weighed(last, error))
         controller.set_rterm(command=0.0)
         controller.bounds["lower", "_u", "command"] = sample.low
         controller.bounds["upper", "_u", "command"] = sample.high
@@ -111,9 +114,10 @@ class DoMpcPeer:
     def _varying(self, _time: float) -> Any:
         problem, template = self._problem, self._template
         parameters: MotionParameters = problem.parameters
-        numbers = parameters.as_array()
+        numbers, last = parameters.as_array(), problem.weight_array()[STAGE_COUNT:]
         for stage in range(self._horizon + 1):
             template["_tvp", stage, "reference"] = problem.state_reference[stage]
             template["_tvp", stage, "target"] = problem.input_reference[min(stage, self._horizon - 1)]
             template["_tvp", stage, "parameters"] = numbers
+            template["_tvp", stage, "last"] = last
         return template

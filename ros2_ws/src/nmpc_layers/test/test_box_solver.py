@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from nmpc_layers.solver import BoxSolver, Motion, Outcome
 from nmpc_layers.solver.oracle import IpoptOracle
-from nmpc_layers.solver.samples import HIGH, LOW, winding_problems
+from nmpc_layers.solver.samples import HIGH, LOW, TERMINAL, winding_problems
 
 SIZES = [(Motion.KINEMATIC, 10, 0.2), (Motion.LAG, 15, 1.0 / 30.0), (Motion.KINEMATIC, 15, 1.0 / 30.0)]
 
@@ -17,10 +17,11 @@ def solvers():
     return {(motion, horizon): BoxSolver(motion, horizon) for motion, horizon, _ in SIZES}
 
 
+@pytest.mark.parametrize("terminal", [None, TERMINAL])
 @pytest.mark.parametrize(("motion", "horizon", "period_s"), SIZES)
-def test_cost_equals_that_of_ipopt_kicks_included(solvers, motion, horizon, period_s):
+def test_cost_equals_that_of_ipopt_kicks_included(solvers, motion, horizon, period_s, terminal):
     solver, oracle = solvers[motion, horizon], IpoptOracle(motion, horizon)
-    for problem in winding_problems(motion, horizon, period_s, 60, seed=11):
+    for problem in winding_problems(motion, horizon, period_s, 60, seed=11, terminal=terminal):
         for each in (solver, oracle):
             each.start_from(problem.input_reference)
         found, judged = solver.solve(problem), oracle.solve(problem)

@@ -5,7 +5,7 @@ import pytest
 
 from nmpc_layers.solver import BoxSolver, Motion, Outcome, TrackLimits, TrackSolver
 from nmpc_layers.solver.oracle import IpoptOracle
-from nmpc_layers.solver.samples import HIGH, LOW, winding_problems
+from nmpc_layers.solver.samples import HIGH, LOW, TERMINAL, winding_problems
 
 LIMITS = TrackLimits(half_gauge_m=0.18, track_speed_mps=0.42, acceleration_mps2=0.8, yaw_acceleration_radps2=3.0)
 PERIOD_S = 1.0 / 30.0
@@ -23,10 +23,11 @@ def largest_violation(commands, previous):
     return max(tracks.max() - LIMITS.track_speed_mps, changes.max(), box.max())
 
 
-def test_cost_equals_that_of_ipopt_and_limits_are_kept_where_they_bind(solver):
+@pytest.mark.parametrize("terminal", [None, TERMINAL])
+def test_cost_equals_that_of_ipopt_and_limits_are_kept_where_they_bind(solver, terminal):
     oracle = IpoptOracle(Motion.LAG, 15, LIMITS)
     previous, closest = np.zeros(2), -np.inf
-    for problem in winding_problems(Motion.LAG, 15, PERIOD_S, 40, seed=21):
+    for problem in winding_problems(Motion.LAG, 15, PERIOD_S, 40, seed=21, terminal=terminal):
         for each in (solver, oracle):
             each.start_from(problem.input_reference)
         found, judged = solver.solve(problem, previous), oracle.solve(problem, previous)

@@ -5,6 +5,7 @@ from nmpc_layers.solver.code_cache import SolverCodeWarning
 from nmpc_layers.solver.motion_model import Motion, MotionParameters
 from nmpc_layers.solver.problem import Problem
 from nmpc_layers.solver.solution import Outcome, Solution
+from nmpc_layers.solver.terminal_weight import TerminalWeight
 from nmpc_layers.solver.track_solver import TrackLimits, TrackSolver
 from nmpc_layers.solver.weights import Weights
 
@@ -16,6 +17,7 @@ __all__ = [
     "Problem",
     "Solution",
     "SolverCodeWarning",
+    "TerminalWeight",
     "TrackLimits",
     "TrackSolver",
     "Weights",

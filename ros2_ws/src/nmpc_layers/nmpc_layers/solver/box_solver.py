@@ -56,7 +56,7 @@ class BoxSolver(WarmStart):
         table["state_reference"][:] = problem.state_reference
         table["input_reference"][:] = problem.input_reference
         table["parameters"][0] = problem.parameters.as_array()
-        table["weights"][0] = problem.weights.as_array()
+        table["weights"][0] = problem.weight_array()
         table["bounds"][:, :2] = problem.low
         table["bounds"][:, 2:] = problem.high
         commands, new_commands = table["commands"], result["new_commands"]

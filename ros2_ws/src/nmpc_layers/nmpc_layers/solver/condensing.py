@@ -5,7 +5,8 @@ from typing import Any
 import casadi
 
 from nmpc_layers.solver.motion_model import PARAMETER_COUNT, Motion, next_state
-from nmpc_layers.solver.weights import WEIGHT_COUNT
+from nmpc_layers.solver.terminal_weight import PACKED_COUNT, unpacked, weighed
+from nmpc_layers.solver.weights import STAGE_COUNT, WEIGHT_COUNT
 
 Expression = Any
 Function = Any
@@ -29,7 +30,8 @@ def condensed_cost(motion: Motion, horizon: int) -> Function:
     parameters, weights = symbol("parameters", PARAMETER_COUNT), symbol("weights", WEIGHT_COUNT)
 
     stage, layout = _stage(motion, horizon)
-    pose_weights = casadi.horzcat(casadi.repmat(weights[:3], 1, horizon - 1), weights[5:8])
+    diagonal = casadi.vertcat(weights[0], 0, 0, weights[1], 0, weights[2])
+    pose_weights = casadi.horzcat(casadi.repmat(diagonal, 1, horizon - 1), weights[STAGE_COUNT:])
     selectors = casadi.DM.eye(2 * horizon).reshape((4 * horizon, horizon))
     carried = stage.mapaccum(horizon)(
         casadi.vertcat(start, casadi.MX.zeros(layout.total - count)),
@@ -82,7 +84,11 @@ def _stage(motion: Motion, horizon: int) -> tuple[Function, _Layout]:
     layout = _Layout(count, horizon)
     symbol = casadi.SX.sym
     carried = symbol("carried", layout.total)
-    command, reference, pose_weights = symbol("command", 2), symbol("reference", 3), symbol("pose_weights", 3)
+    command, reference, pose_weights = (
+        symbol("command", 2),
+        symbol("reference", 3),
+        symbol("pose_weights", PACKED_COUNT),
+    )
     parameters, selector = symbol("parameters", PARAMETER_COUNT), symbol("selector", 2 * layout.size)
 
     state, at = symbol("state", count), symbol("at", 2)
@@ -98,11 +104,11 @@ def _stage(motion: Motion, horizon: int) -> tuple[Function, _Layout]:
     sensitivity = by_state @ sensitivity + by_command @ place
     error = new_state[:3] - reference
     of_pose = sensitivity[:3, :]
-    weighted = casadi.diag(2 * pose_weights) @ of_pose
+    weighted = 2 * unpacked(pose_weights) @ of_pose
     triangle = casadi.tril(of_pose.T @ weighted)
     new = casadi.vertcat(
         new_state,
-        carried[layout.cost] + casadi.dot(pose_weights, error**2),
+        carried[layout.cost] + weighed(pose_weights, error),
         casadi.vec(sensitivity),
         carried[layout.gradient] + weighted.T @ error,
         carried[layout.hessian] + triangle.nz[:],

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from nmpc_layers.solver.motion_model import PARAMETER_COUNT, Motion, next_state
 from nmpc_layers.solver.problem import Problem
 from nmpc_layers.solver.solution import Outcome, Solution
+from nmpc_layers.solver.terminal_weight import weighed
 from nmpc_layers.solver.track_solver import TrackLimits
-from nmpc_layers.solver.weights import WEIGHT_COUNT
+from nmpc_layers.solver.weights import STAGE_COUNT, WEIGHT_COUNT
 
 Array = NDArray[np.float64]
 Expression = Any
@@ -42,7 +43,7 @@ class IpoptOracle:
             defects.append(states[:, stage + 1] - arrived)
             cost += casadi.dot(weights[:3], (states[:3, stage] - reference[:, stage]) ** 2)
             cost += casadi.dot(weights[3:5], (commands[:, stage] - targets[:, stage]) ** 2)
-        cost += casadi.dot(weights[5:8], (states[:3, horizon] - reference[:, horizon]) ** 2)
+        cost += weighed(weights[STAGE_COUNT:], states[:3, horizon] - reference[:, horizon])
         constraints = list(defects)
         if limits is not None:
             rows = casadi.DM(limits.rows(horizon)) @ casadi.vec(commands)
@@ -84,7 +85,7 @@ class IpoptOracle:
             p=np.concatenate(
                 [
                     *(problem.start, problem.state_reference.ravel(), problem.input_reference.ravel()),
-                    *(problem.parameters.as_array(), problem.weights.as_array(), origin),
+                    *(problem.parameters.as_array(), problem.weight_array(), origin),
                 ]
             ),
             lbx=np.concatenate([-free, low]),

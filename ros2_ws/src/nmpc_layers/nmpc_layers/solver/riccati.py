@@ -12,7 +12,8 @@ import casadi
 
 from nmpc_layers.solver.motion_model import PARAMETER_COUNT, Motion
 from nmpc_layers.solver.stage_functions import StageFunctions, upper_triangle
-from nmpc_layers.solver.weights import WEIGHT_COUNT
+from nmpc_layers.solver.terminal_weight import unpacked, weighed
+from nmpc_layers.solver.weights import STAGE_COUNT, WEIGHT_COUNT
 
 Expression = Any
 Function = Any
@@ -26,7 +27,7 @@ def riccati_iteration(motion: Motion, horizon: int) -> Function:
     """Build the iteration for ``horizon`` stages.
 
     Inputs: start (n,), commands (2, N), state_reference (3, N+1), input_reference (2, N),
-    parameters (7,), weights (8,), bounds (4, N): low then high of each stage's command, to which the given
+    parameters (7,), weights (11,), bounds (4, N): low then high of each stage's command, to which the given
     commands are clipped first.
     Outputs: new_commands (2, N); their cost; the old cost; the largest change of a command; the cost
     change that the quadratic model expected (not positive); states (n, N+1) of the new commands.
@@ -81,15 +82,15 @@ def riccati_iteration(motion: Motion, horizon: int) -> Function:
 
 
 def _terminal_cost(pose: Expression, reference: Expression, weights: Expression) -> Expression:
-    return casadi.dot(weights[5:8], (pose - reference) ** 2)
+    return weighed(weights[STAGE_COUNT:], pose - reference)
 
 
 def _terminal_value(motion: Motion, pose: Expression, reference: Expression, weights: Expression) -> Expression:
     """Value function of the last state, packed as `StageFunctions.sweep` carries it."""
-    packed = []
-    for row, column in upper_triangle(motion.state_count):
-        packed.append(2 * weights[5 + row] if row == column and row < 3 else casadi.MX(0))
-    gradient = 2 * weights[5:8] * (pose - reference)
+    last = weights[STAGE_COUNT:]
+    of_pose = {place: 2 * last[index] for index, place in enumerate(upper_triangle(3))}
+    packed = [of_pose.get(place, casadi.MX(0)) for place in upper_triangle(motion.state_count)]
+    gradient = 2 * unpacked(last) @ (pose - reference)
     return casadi.vertcat(*packed, gradient, casadi.MX.zeros(motion.state_count - 3), 0)
 
 

@@ -5,12 +5,14 @@ from numpy.typing import NDArray
 
 from nmpc_layers.solver.motion_model import Motion, MotionParameters
 from nmpc_layers.solver.problem import Problem
+from nmpc_layers.solver.terminal_weight import TerminalWeight
 from nmpc_layers.solver.weights import Weights
 
 Array = NDArray[np.float64]
 
 KICK_EVERY = 25
 WEIGHTS = Weights(position=20.0, heading=2.0, speed=1.0, yaw_rate=0.5, terminal=5.0)
+TERMINAL = TerminalWeight.of([[320.0, 10.0, 0.0], [10.0, 360.0, 19.0], [0.0, 19.0, 12.0]])
 LOW, HIGH = np.array([-0.4, -1.3]), np.array([0.5, 1.3])
 
 
@@ -26,7 +28,13 @@ def winding_path(period_s: float, count: int, speed_mps: float = 0.35) -> tuple[
 
 
 def winding_problems(
-    motion: Motion, horizon: int, period_s: float, count: int, seed: int, speed_mps: float = 0.35
+    motion: Motion,
+    horizon: int,
+    period_s: float,
+    count: int,
+    seed: int,
+    speed_mps: float = 0.35,
+    terminal: TerminalWeight | None = None,
 ) -> list[Problem]:
     """Consecutive problems along the winding path: noise on every start, a kick of 0.12 m and 0.35 rad on every 25th.
 
@@ -57,6 +65,7 @@ def winding_problems(
                 HIGH,
                 parameters,
                 WEIGHTS,
+                terminal,
             )
         )
     return problems

@@ -168,7 +168,7 @@ class TrackSolver(WarmStart):
         table["state_reference"][:] = problem.state_reference
         table["input_reference"][:] = problem.input_reference
         table["parameters"][0] = problem.parameters.as_array()
-        table["weights"][0] = problem.weights.as_array()
+        table["weights"][0] = problem.weight_array()
 
     def _bounds(self, problem: Problem, previous: Array) -> tuple[Array, Array]:
         """Upper and lower bounds (6N,): commands, track speeds, changes; the first change counts from ``previous``."""

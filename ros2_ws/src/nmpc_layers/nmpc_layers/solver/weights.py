@@ -7,7 +7,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-WEIGHT_COUNT = 8
+from nmpc_layers.solver.terminal_weight import PACKED_COUNT
+
+STAGE_COUNT = 5
+WEIGHT_COUNT = STAGE_COUNT + PACKED_COUNT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,6 +43,8 @@ class Weights:
                 raise ValueError(f"weight {field.name} must be finite and {bound}, got {value!r}")
 
     def as_array(self) -> NDArray[np.float64]:
-        """``[Q1, Q2, Q3]`` diagonals, shape (8,)."""
-        pose = [self.position, self.position, self.heading]
-        return np.array([*pose, self.speed, self.yaw_rate, *(self.terminal * weight for weight in pose)])
+        """Diagonals of pose and inputs, then the upper triangle of the last pose's weight; shape (11,)."""
+        place, heading = self.position, self.heading
+        last_place, last_heading = self.terminal * place, self.terminal * heading
+        last = (last_place, 0.0, 0.0, last_place, 0.0, last_heading)
+        return np.array([place, place, heading, self.speed, self.yaw_rate, *last])
