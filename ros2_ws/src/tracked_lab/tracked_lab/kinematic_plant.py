@@ -33,7 +33,17 @@ from tracked_lab.kinematic_motion import (
     new_state,
     sense,
 )
-from tracked_types import BodyState, ImuSample, PeriodGrid, Pose2, Slip, TrackSample, VelocityCommand, wrap_angle
+from tracked_types import (
+    BodyState,
+    ImuSample,
+    PeriodGrid,
+    Pose2,
+    Slip,
+    TrackSample,
+    Twist2,
+    VelocityCommand,
+    wrap_angle,
+)
 
 Array = NDArray[np.float64]
 NOISE_TICKS = 1024  # ticks whose noise is drawn in one go
@@ -69,6 +79,7 @@ class KinematicPlant:
         self._state = new_state(self.start.x_m, self.start.y_m, self.start.yaw_rad)
         self._intake = CommandIntake(IntakeSettings.from_robot(robot))
         self._targets = np.zeros((SUBSTEPS, 2))
+        self._twists: list[Twist2 | None] = [None] * SUBSTEPS
         self._grid = PeriodGrid(robot.imu.rate_hz)
         self._steps = PeriodGrid(robot.imu.rate_hz * SUBSTEPS)
         self._period_s = 1.0 / robot.imu.rate_hz
@@ -124,7 +135,9 @@ class KinematicPlant:
         begin = self._tick * SUBSTEPS
         for substep in range(SUBSTEPS):
             twist = self._intake.update(self._steps.stamp_ns(begin + substep), step_s)
-            self._targets[substep] = track_targets(twist, tracks)
+            if twist is not self._twists[substep]:  # most often it is that of the tick before
+                self._twists[substep] = twist
+                self._targets[substep] = track_targets(twist, tracks)
         mean_yaw_rate: float = move(
             self._state,
             self._ground,
