@@ -1,0 +1,1 @@
+"""Paths over a map: what each place costs, and the cheapest way."""
