@@ -11,6 +11,7 @@ from tracked_types.body_state import BodyState
 from tracked_types.command import VelocityCommand
 from tracked_types.goal import GoalReached
 from tracked_types.imu import ImuSample
+from tracked_types.mover import Mover
 from tracked_types.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from tracked_types.odometry import Odometry
 from tracked_types.outline import Outline, OutlineKind
@@ -43,6 +44,7 @@ __all__ = [
     "GoalReached",
     "ImuSample",
     "LaserScan",
+    "Mover",
     "OccupancyMap",
     "Odometry",
     "Outline",
