@@ -185,3 +185,23 @@ def test_diverged_state_is_an_error_not_a_result(make_vehicle):
 )
 def test_twist_becomes_belt_speeds_with_its_radius_kept(twist, expected):
     assert track_targets(twist, load_robot().tracks) == pytest.approx(expected)
+
+
+def test_a_torque_turns_a_standing_robot_only_if_it_is_stronger_than_the_tracks_grip(make_vehicle, drive):
+    turned = []
+    for torque in (2.0, -30.0):
+        vehicle = make_vehicle()
+        vehicle.yaw_torque_nm = torque
+        turned.append(drive(vehicle, 0.0, 0.0, 0.3).base_pose.yaw_rad)
+        vehicle.yaw_torque_nm = 0.0
+        at_rest = drive(vehicle, 0.0, 0.0, 1.0)
+        assert abs(at_rest.angular_velocity_radps[2]) < 1e-3
+    assert abs(turned[0]) < 0.01
+    assert turned[1] < -0.3
+
+
+def test_a_reset_ends_the_torque(make_vehicle):
+    vehicle = make_vehicle()
+    vehicle.yaw_torque_nm = 30.0
+    vehicle.reset()
+    assert vehicle.yaw_torque_nm == 0.0

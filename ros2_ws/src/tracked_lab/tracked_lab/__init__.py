@@ -7,12 +7,20 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from tracked_lab.conditions import Conditions, Link, Links
     from tracked_lab.lock_step import drive
     from tracked_lab.stack import Reaction, Stack
 
-__all__ = ["Reaction", "Stack", "drive"]
+__all__ = ["Conditions", "Link", "Links", "Reaction", "Stack", "drive"]
 
-_HOMES = {"Reaction": "tracked_lab.stack", "Stack": "tracked_lab.stack", "drive": "tracked_lab.lock_step"}
+_HOMES = {
+    "Conditions": "tracked_lab.conditions",
+    "Link": "tracked_lab.conditions",
+    "Links": "tracked_lab.conditions",
+    "Reaction": "tracked_lab.stack",
+    "Stack": "tracked_lab.stack",
+    "drive": "tracked_lab.lock_step",
+}
 
 
 def __getattr__(name: str) -> Any:
