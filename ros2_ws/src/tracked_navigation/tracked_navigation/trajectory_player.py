@@ -121,7 +121,8 @@ class TrajectoryPlayer:
         Odometry that is out of order or not finite is ignored and counted; one that jumps back by more
         than half a second means a reset world, and the trajectory starts over.
         """
-        if not np.all(np.isfinite(odometry.pose.as_array())):
+        pose = odometry.pose
+        if not (math.isfinite(pose.x_m) and math.isfinite(pose.y_m) and math.isfinite(pose.yaw_rad)):
             self.ignored_odometry += 1
             return PlayerOutput()
         if self._order.jumps_back(odometry.stamp_ns):

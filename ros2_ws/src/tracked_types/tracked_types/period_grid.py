@@ -29,12 +29,8 @@ class PeriodGrid:
 
     def index_at(self, stamp_ns: int) -> int:
         """Index of the last instant at or before ``stamp_ns``."""
-        index = stamp_ns * self.rate_hz // NANOSECONDS_PER_SECOND
-        while self.stamp_ns(index + 1) <= stamp_ns:
-            index += 1
-        while self.stamp_ns(index) > stamp_ns:
-            index -= 1
-        return index
+        # The largest index with index / rate_hz below half a nanosecond after the stamp: the inverse of the rounding.
+        return ((2 * stamp_ns + 1) * self.rate_hz - 1) // (2 * NANOSECONDS_PER_SECOND)
 
     def is_instant(self, stamp_ns: int) -> bool:
         """Whether ``stamp_ns`` is exactly an instant of the grid."""
