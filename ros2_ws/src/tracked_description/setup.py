@@ -12,7 +12,7 @@ setup(
         (f"share/{NAME}", ["package.xml"]),
         (f"share/{NAME}/config", [f"{NAME}/data/robot.yaml"]),
     ],
-    install_requires=["setuptools", "pydantic>=2", "PyYAML"],
+    install_requires=["setuptools", "numpy", "pydantic>=2", "PyYAML"],
     zip_safe=False,
     entry_points={"console_scripts": ["description = tracked_description.nodes.description:main"]},
     maintainer="Tracked Stack maintainers",

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracked_description import Robot
+from tracked_description import Footprint, Robot
 from tracked_types import UNKNOWN, OccupancyMap
 from tracked_types.setting import check_settings, setting
 
@@ -38,8 +38,7 @@ class CostSettings:
     @classmethod
     def from_robot(cls, robot: Robot, **tuning: float | int | bool) -> "CostSettings":
         """Settings for ``robot``; ``tuning`` are values of the tunable fields."""
-        half_width = 0.5 * (robot.tracks.gauge_m + robot.tracks.belt_width_m)
-        return cls(inscribed_m=half_width, **tuning)  # type: ignore[arg-type]
+        return cls(inscribed_m=Footprint.from_robot(robot).half_width_m, **tuning)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True, slots=True)
