@@ -24,7 +24,8 @@ _KEYS = {"format", "gains", "open_loop", "certificate"}
 
 @dataclass(frozen=True, slots=True)
 class ProvenGains:
-    """Arrays by name (K; A, B, C of a filter; E, X of an observer) and the certificate of what they do."""
+    """Arrays by name (K; A, B, C of a filter; E, X of an observer; K, P, level (1,) of a terminal weight) and the
+    certificate of what they do."""
 
     gains: dict[str, Floats]
     certificate: Certificate
@@ -44,8 +45,12 @@ def gains_of(certificate: Certificate) -> dict[str, Floats]:
         named = {name: getattr(theorem.filtering, name) for name in "ABC"}
     elif hasattr(theorem, "observer"):
         named = {name: getattr(theorem.observer, name) for name in "EX"}
+    elif hasattr(theorem, "level") and certificate.values is not None:
+        weight, level = theorem.level(certificate.values)
+        return {"K": to_float(exact_array(theorem.gain)), "P": weight, "level": np.array([level])}
     else:
-        raise ArgumentError("certificate", "about gains, a filter or an observer", certificate.claim)
+        kinds = "about gains, a filter, an observer or a terminal weight"
+        raise ArgumentError("certificate", kinds, certificate.claim)
     return {name: to_float(exact_array(value)) for name, value in named.items()}
 
 

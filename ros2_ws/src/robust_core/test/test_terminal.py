@@ -19,7 +19,6 @@ from robust_core.terminal import (
     design_terminal,
     design_tracking_terminal,
 )
-from robust_core.terminal.theorem import level_of
 from robust_core.verdict import Verdict
 
 MODEL = TrackingError(period_s=0.2, speed_mps=(0.2, 0.4), yaw_rate_radps=0.6, heading_rad=0.3)
@@ -45,7 +44,9 @@ def starts(design: TerminalDesign, count: int, seed: int) -> Any:
 def test_design_is_proven(design: TerminalDesign) -> None:
     assert design.result.verdict is Verdict.PROVEN
     assert design.level > 0.0
-    assert level_of(design.result.require().values or {}) == pytest.approx(design.level)
+    weight, level = TerminalIngredient.level(design.result.require().values or {})
+    assert weight == pytest.approx(design.P)
+    assert level == pytest.approx(design.level)
 
 
 def test_cost_descends_on_the_unicycle_itself_from_1000_starts(design: TerminalDesign) -> None:

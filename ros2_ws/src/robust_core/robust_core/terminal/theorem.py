@@ -73,7 +73,8 @@ class TerminalIngredient(Theorem):
             Constraint("within limits", within),
         )
 
-
-def level_of(values: Values) -> float:
-    """The level c of the certified set {x'P x <= c}, for P in units of s."""
-    return float(np.ravel(values["s"])[0] / np.ravel(values["w"])[0])
+    @staticmethod
+    def level(values: Values) -> tuple[Any, float]:
+        """P (n, n) and level c of the certified set {x'P x <= c}, both in units of the stage cost."""
+        w, s = (float(np.ravel(values[name])[0]) for name in ("w", "s"))
+        return values["P"] / s, s / w

@@ -8,6 +8,7 @@ from robust_core.checks import finite_number
 from robust_core.errors import ArgumentError
 from robust_core.lmi.settings import SolverSettings
 from robust_core.plants.tracking_error import TrackingError
+from robust_core.rational import Floats
 from robust_core.terminal.design import TerminalDesign, design_terminal
 
 
@@ -72,14 +73,28 @@ def design_tracking_terminal(
     """
     for name, value in (("position", position), ("heading", heading), ("speed", speed), ("yaw_rate", yaw_rate)):
         finite_number(name, value, low=0.0, open_low=True)
+    Q, R = stage_cost(position=position, heading=heading, speed=speed, yaw_rate=yaw_rate)
+    state_rows, input_rows, bounds = tracking_limits(model, limits)
+    return design_terminal(
+        model.system(), Q, R, state_rows=state_rows, input_rows=input_rows, bounds=bounds, settings=settings
+    )
+
+
+def stage_cost(*, position: float, heading: float, speed: float, yaw_rate: float) -> tuple[Floats, Floats]:
+    """Q (3, 3) and R (2, 2)."""
+    return np.diag([position, position, heading]), np.diag([speed, yaw_rate])
+
+
+def tracking_limits(model: TrackingError, limits: CommandLimits) -> tuple[Floats, Floats, Floats]:
+    """Rows C (5, 3), D (5, 2) and bounds b (5,) of |C e + D u| <= b: the commands' room, and psi of the model.
+
+    Raises
+    ------
+    ArgumentError: for references that leave no room for feedback.
+    """
     dv, dw, belt = limits.room(model)
     half, step = limits.half_track_m, model.heading_point * model.period_s
-    return design_terminal(
-        model.system(),
-        np.diag([position, position, heading]),
-        np.diag([speed, yaw_rate]),
-        state_rows=[[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 1]],
-        input_rows=[[1, 0], [0, 1], [1, half], [1, -half], [0, step]],
-        bounds=[dv, dw, belt, belt, model.heading_rad],
-        settings=settings,
-    )
+    state_rows = np.zeros((5, 3))
+    state_rows[4, 2] = 1.0
+    input_rows = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, half], [1.0, -half], [0.0, step]])
+    return state_rows, input_rows, np.array([dv, dw, belt, belt, model.heading_rad])
