@@ -6,11 +6,11 @@ setup(
     name=NAME,
     version="0.1.0",
     packages=find_packages(exclude=["test"]),
-    package_data={NAME: ["py.typed", "data/*.yaml"]},
+    package_data={NAME: ["py.typed", "data/*.yaml", "data/*.json"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
-        (f"share/{NAME}/config", [f"{NAME}/data/weights.yaml"]),
+        (f"share/{NAME}/config", [f"{NAME}/data/weights.yaml", f"{NAME}/data/upper_terminal.json"]),
     ],
     install_requires=["setuptools", "numpy", "casadi", "daqp", "pydantic>=2", "PyYAML"],
     zip_safe=False,

@@ -3,6 +3,7 @@
 from importlib import resources
 from pathlib import Path
 
+from nmpc_layers.certified_terminal import TerminalSource
 from nmpc_layers.solver import Weights
 from tracked_types.checked_yaml import CheckedModel, load_checked_yaml
 
@@ -11,11 +12,15 @@ PACKAGED = "weights.yaml"
 
 
 class MethodWeights(CheckedModel):
-    """Weights of one method: the upper layer alone, and both layers together."""
+    """Weights of one method: the upper layer alone, and both layers together.
+
+    upper_terminal: a certified terminal weight for the upper layer that has a lower one, if there is one.
+    """
 
     single: Weights
     upper: Weights
     lower: Weights
+    upper_terminal: TerminalSource | None = None
 
 
 class LayerWeights(CheckedModel):
@@ -47,4 +52,9 @@ def load_weights(path: Path | str | None = None) -> LayerWeights:
     """
     if path:
         return load_checked_yaml(LayerWeights, Path(path))
-    return load_checked_yaml(LayerWeights, resources.files("nmpc_layers") / "data" / PACKAGED, PACKAGED)
+    return load_checked_yaml(LayerWeights, weights_folder() / PACKAGED, PACKAGED)
+
+
+def weights_folder(path: Path | str | None = None) -> Path:
+    """Folder of a weights file, in which the files that it names are; without a path, that of the packaged one."""
+    return Path(path).parent if path else Path(str(resources.files("nmpc_layers") / "data"))

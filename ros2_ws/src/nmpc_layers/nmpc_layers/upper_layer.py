@@ -13,7 +13,7 @@ from nmpc_layers.plan_shapes import as_trajectory, continuous_headings, step_tim
 from nmpc_layers.sent_commands import GroundModel, SentCommands, predict
 from nmpc_layers.solver import BoxSolver, Motion, MotionParameters, Problem, Solution
 from nmpc_layers.stop_ramp import StopRamp
-from nmpc_layers.upper_settings import UpperSettings
+from nmpc_layers.upper_settings import UpperSettings, heading_point_of
 from tracked_types import (
     Odometry,
     PeriodGrid,
@@ -51,9 +51,7 @@ class UpperLayer:
         self.settings = settings
         self.solver = BoxSolver(Motion.KINEMATIC, settings.horizon, use_compiler=settings.compile_solver)
         self.approach = GoalApproach(settings.approach)
-        self._parameters = MotionParameters(
-            period_s=settings.period_s, heading_point=0.5 if settings.method == "improved" else 0.0
-        )
+        self._parameters = MotionParameters(period_s=settings.period_s, heading_point=heading_point_of(settings.method))
         self._plan_grid = PeriodGrid(settings.rate_hz)
         self._control_grid = PeriodGrid(settings.control_rate_hz)
         self._latency_ns = to_nanoseconds(settings.pipeline_latency_s)
@@ -160,6 +158,7 @@ class UpperLayer:
         states, inputs = reference.at(start_ns, offsets)
         if settings.method == "improved":
             _, inputs = reference.at(start_ns, offsets + 0.5 * settings.period_s)
+        certified = settings.certified
         return Problem(
             start=pose.as_array(),
             state_reference=continuous_headings(states, pose.yaw_rad),
@@ -168,6 +167,7 @@ class UpperLayer:
             high=settings.limits.high,
             parameters=self._parameters,
             weights=settings.weights,
+            terminal=certified.weight if certified is not None and certified.covers(inputs[-1]) else None,
         )
 
     def _solve(self, problem: Problem, stamp_ns: int) -> Solution:

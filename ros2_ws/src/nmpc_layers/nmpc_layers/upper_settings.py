@@ -1,11 +1,12 @@
 """Settings of the upper layer."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+from nmpc_layers.certified_terminal import CertifiedTerminal, load_certified_terminal
 from nmpc_layers.drive_limits import DriveLimits
 from nmpc_layers.goal_approach import ApproachSettings
-from nmpc_layers.layer_weights import METHODS, load_weights
+from nmpc_layers.layer_weights import METHODS, MethodWeights, load_weights, weights_folder
 from nmpc_layers.manoeuvre import ManoeuvreRates
 from nmpc_layers.solver import Weights
 from tracked_description import Robot
@@ -22,6 +23,7 @@ class UpperSettings:
     motor_lag_s: float
     control_rate_hz: int
     weights: Weights
+    certified: CertifiedTerminal | None = None
 
     method: str = setting(
         "improved",
@@ -64,6 +66,12 @@ class UpperSettings:
     approach_yaw_rate_radps: float = setting(
         0.5, "largest yaw rate of the final approach", unit="rad/s", low=0.01, high=3.0
     )
+    terminal: str = setting(
+        "certified",
+        "layers double: weight of the last pose error. certified: the proven one that the weights name, if they name "
+        "one, where the reference is within its range; scaled: the others' times a factor",
+        choices=("certified", "scaled"),
+    )
     weights_file: str = setting("", "YAML file of weights; empty: the packaged one")
     compile_solver: bool = setting(True, "compile the solver with the system's C compiler")
 
@@ -80,12 +88,12 @@ class UpperSettings:
 
         Raises
         ------
-        CheckedFileError: if the weights file cannot be used.
+        CheckedFileError: if the weights file cannot be used, or a certified weight is damaged or for other settings.
         ValueError: if a value is out of range.
         """
         of_method = load_weights(tuning.get("weights_file")).of(tuning.get("method", METHODS[0]))
         single = tuning.get("layers") == "single"
-        return cls(
+        settings = cls(
             limits=DriveLimits.from_robot(robot),
             transport_delay_s=robot.control.transport_delay_s,
             motor_lag_s=robot.tracks.motor_time_constant_s,
@@ -93,6 +101,21 @@ class UpperSettings:
             weights=of_method.single if single else of_method.upper,
             **tuning,
         )
+        return settings if single or settings.terminal == "scaled" else settings._with_proof(of_method)
+
+    def _with_proof(self, weights: MethodWeights) -> "UpperSettings":
+        """These settings with the certified terminal weight that the weights name, if they do."""
+        if weights.upper_terminal is None:
+            return self
+        certified = load_certified_terminal(
+            weights_folder(self.weights_file),
+            weights.upper_terminal,
+            self.weights,
+            self.limits,
+            period_s=self.period_s,
+            heading_point=heading_point_of(self.method),
+        )
+        return replace(self, certified=certified)
 
     @property
     def period_s(self) -> float:
@@ -121,3 +144,8 @@ class UpperSettings:
             attempts=self.approach_attempts,
             rates=rates,
         )
+
+
+def heading_point_of(method: str) -> float:
+    """Where in a step the upper layer's model takes its heading, see `MotionParameters`."""
+    return 0.5 if method == "improved" else 0.0
