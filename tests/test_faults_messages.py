@@ -23,7 +23,7 @@ from tracked_description import load_robot
 
 ROBOT = load_robot()
 TABLE = load_node_table().nodes
-ON_THE_BENCH = [name for name in TABLE if name != "sim_bridge"]
+ON_THE_BENCH = [name for name, entry in TABLE.items() if name != "sim_bridge" and not entry.optional]
 TYPES = {row.topic: row for row in CONTRACT}
 NOT_CHECKED = {"parameter_events", "clock"}  # rclpy's own
 # A bool cannot be malformed.

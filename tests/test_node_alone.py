@@ -13,12 +13,14 @@ from node_kit.common_parameters import COMMON_PARAMETERS
 from tests.support.domains import own_domain
 from tests.support.node_process import NodeProcess
 from tests.support.probe import own_probe
+from tracked_bringup.bags import BagWriter
 from tracked_bringup.node_group import load_class
 from tracked_bringup.node_table import load_node_table
 
 TABLE = load_node_table().nodes
 CLASSES = {name: load_class(entry.node_class) for name, entry in TABLE.items()}
 NODES = pytest.mark.parametrize("name", TABLE)
+NEEDED = {"record_file", "folder", "bag"}
 START_LIMIT_S = 60.0  # where nothing is compiled yet, or everything else runs at the same time
 
 
@@ -38,10 +40,14 @@ def started(names, domain, folder, parameters):
 def alone(tmp_path_factory):
     """A probe, what the nodes say of themselves, and their processes, started with nothing but their defaults."""
     folder = tmp_path_factory.mktemp("alone")
-    record = ("-p", f"record_file:={folder / 'record.npz'}")
+    needed = {
+        "recorder": ("-p", f"record_file:={folder / 'record.npz'}"),
+        "mcap_recorder": ("-p", f"folder:={folder / 'recorded'}"),
+        "replay": ("-p", f"bag:={bag_of_an_hour(folder / 'bag')}"),
+    }
     with own_domain() as domain, own_probe(domain) as probe:
         diagnostics = probe.collect(DiagnosticArray, "diagnostics", 100)
-        processes = started(TABLE, domain, folder, lambda name: record if name == "recorder" else ())
+        processes = started(TABLE, domain, folder, lambda name: needed.get(name, ()))
         try:
             probe.wait_until(
                 lambda: set(TABLE) <= set(probe.node.get_node_names()), timeout_s=START_LIMIT_S, what="all nodes"
@@ -71,6 +77,16 @@ def refused(tmp_path_factory):
                 process.end()
 
 
+def bag_of_an_hour(folder):
+    """A recording that takes long to play."""
+    bag = BagWriter(folder)
+    bag.add_topic("/slow", "std_msgs/msg/Empty", "", "", [])
+    for stamp_s in (0, 3600):
+        bag.write("/slow", stamp_s * 10**9, bytes([0, 1, 0, 0, 0]))
+    bag.close()
+    return folder
+
+
 def bad_choice(table):
     """A value outside the range or the choices of one of the node's own parameters, where one has any."""
     for parameter in table:
@@ -85,7 +101,7 @@ def bad_choice(table):
 def test_it_starts_with_its_defaults_and_shows_them(alone, name):
     probe, _, _ = alone
     parameters = [
-        parameter for parameter in CLASSES[name].PARAMETERS + COMMON_PARAMETERS if parameter.name != "record_file"
+        parameter for parameter in CLASSES[name].PARAMETERS + COMMON_PARAMETERS if parameter.name not in NEEDED
     ]
     asked = GetParameters.Request(names=[parameter.name for parameter in parameters])
     values = probe.call(GetParameters, f"{name}/get_parameters", asked).values

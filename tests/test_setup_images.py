@@ -7,7 +7,7 @@ import yaml
 from tests.support.node_process import ROOT
 
 DOCKER = ROOT / "docker"
-NOT_IN_THE_STACK_SERVICE = {"sim_bridge", "recorder"}
+NOT_IN_THE_STACK_SERVICE = {"sim_bridge", "recorder", "mcap_recorder", "replay"}
 
 
 def test_the_compose_file_starts_every_node_of_the_table_once():

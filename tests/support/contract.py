@@ -9,7 +9,7 @@ from tracked_bringup.node_table import load_node_table
 PAGE = ROOT / "docs" / "topics.md"
 EVERY_NODE = "every node"
 """In the place of names: all of the node table."""
-ONLOOKERS = frozenset({"recorder", "bringup"})
+ONLOOKERS = frozenset({"recorder", "mcap_recorder", "replay", "bringup"})
 
 
 @dataclass(frozen=True, slots=True)

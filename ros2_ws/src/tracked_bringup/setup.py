@@ -14,7 +14,7 @@ setup(
         (f"share/{NAME}", ["package.xml"]),
         (f"share/{NAME}/launch", glob("launch/*.launch.py")),
     ],
-    install_requires=["setuptools", "numpy", "pydantic>=2", "PyYAML"],
+    install_requires=["setuptools", "numpy", "pydantic>=2", "PyYAML", "rosbags"],
     zip_safe=False,
     maintainer="Tracked Stack maintainers",
     maintainer_email="maintainers@tracked-stack.invalid",
@@ -23,8 +23,10 @@ setup(
     entry_points={
         "console_scripts": [
             "bringup = tracked_bringup.bringup:main",
+            "mcap_recorder = tracked_bringup.nodes.mcap_recorder:main",
             "node_group = tracked_bringup.node_group:main",
             "recorder = tracked_bringup.nodes.recorder:main",
+            "replay = tracked_bringup.nodes.replay:main",
         ]
     },
 )

@@ -15,7 +15,7 @@ from tracked_bringup.console import Console
 from tracked_bringup.domains import NoDomainError, run_domain
 from tracked_bringup.graph_plan import plan_graph
 from tracked_bringup.live_state import LiveState
-from tracked_bringup.node_table import NodeTable, load_node_table
+from tracked_bringup.node_table import NodeTable, Value, load_node_table
 from tracked_bringup.run_meta import run_meta
 from tracked_bringup.scenarios import ArgumentError, load_scenario
 from tracked_bringup.supervisor import GraphFailedError, StopRequest, Supervisor, child_environment
@@ -67,13 +67,20 @@ class Bringup:
         record = self._folder / f"{variant}.npz"
         shutil.rmtree(logs, ignore_errors=True)
         record.unlink(missing_ok=True)
+        extra: dict[str, dict[str, Value]] = {
+            "recorder": {"record_file": str(record), "meta_file": str(logs / "meta.json")}
+        }
+        if "folder" not in scenario.parameters_of(variant).get("mcap_recorder", {}):
+            bag = self._folder / f"{variant}_bag"
+            shutil.rmtree(bag, ignore_errors=True)
+            extra["mcap_recorder"] = {"folder": str(bag)}
         plan = plan_graph(
             self._table,
             scenario,
             variant,
             grouping=options.grouping,
             namespace=options.namespace,
-            extra={"recorder": {"record_file": str(record), "meta_file": str(logs / "meta.json")}},
+            extra=extra,
         )
         meta = run_meta(scenario, variant, simulated=plan.has("sim_bridge"))
         write_whole(logs / "meta.json", meta.model_dump_json(indent=2))

@@ -125,7 +125,7 @@ def plan_graph(
     CheckedFileError: if the scenario's robot file cannot be used.
     """
     namespace = namespace.strip("/")
-    names = [name for name in table.nodes if _takes_part(name, scenario, variant)]
+    names = [name for name, entry in table.nodes.items() if _takes_part(name, entry, scenario, variant)]
     common: dict[str, Value] = {"use_sim_time": True} if "sim_bridge" in names else {}
     if scenario.robot:
         common["robot_file"] = str(Path(scenario.robot).resolve())
@@ -162,9 +162,9 @@ def _first_command(scenario: Scenario, variant: str) -> dict[str, dict[str, Valu
     return {"sim_bridge": {"first_command_s": control.stamp_ns(control.index_at(effective_ns - 1) + 1) * 1e-9}}
 
 
-def _takes_part(node: str, scenario: Scenario, variant: str) -> bool:
-    if node in scenario.nodes:
-        return scenario.nodes[node]
+def _takes_part(node: str, entry: NodeEntry, scenario: Scenario, variant: str) -> bool:
+    if node in scenario.nodes or entry.optional:
+        return scenario.nodes.get(node, False)
     if node == "lower_nmpc":
         return scenario.reference is not None and scenario.variants[variant].layers == "double"
     return scenario.reference is not None or node not in ("trajectory_player", "upper_nmpc")

@@ -25,6 +25,7 @@ class NodeEntry(CheckedModel):
     publishes: tuple[Topic, ...] = ()
     publishes_if: dict[Topic, dict[Name, Value]] = Field(default_factory=dict)
     subscribes: tuple[Topic, ...] = ()
+    optional: bool = False
     on_exit: Literal["stop", "restart"] = "stop"
     restarts: Annotated[int, Field(ge=0, le=1000)] = 3
     parameters: dict[Name, Value] = Field(default_factory=dict)

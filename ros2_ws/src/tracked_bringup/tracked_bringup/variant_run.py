@@ -121,8 +121,8 @@ class VariantRun:
             raise RunEndedError(ExitCode.NODE_FAILED, str(failure)) from failure
         finally:
             self._console.status("")
-            # The recorder first, so that it keeps the run and not its end.
-            codes = self._supervisor.end(first=("recorder",))
+            # The recorders first, so that they keep the run and not its end.
+            codes = self._supervisor.end(first=("recorder", "mcap_recorder"))
         self._judge(codes)
         return state
 
