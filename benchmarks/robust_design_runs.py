@@ -2,15 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robust_core.filtering import Filter
 from robust_core.plants import chua, tunnel_diode
-from robust_core.plants.tracking_error import TrackingError
-from robust_core.terminal import CommandLimits, TerminalDesign
 from tracked_lab.gallery.integrate import runge_kutta
 
 Array = NDArray[np.float64]
@@ -102,49 +99,3 @@ def filter_errors(filters: Sequence[Filter], radians_per_s: float, *, seed: int,
     found = runge_kutta(motion, start, 0.0, duration, step)[round(4.0 / step) :]
     estimate = np.einsum("fj,krfj->krf", C[:, 0], found[:, :, 1:])
     return np.asarray(np.abs(found[:, :, 0, 1:2] - estimate).max(axis=0) / amplitude)
-
-
-def terminal_descent(
-    design: TerminalDesign,
-    model: TrackingError,
-    limits: CommandLimits,
-    weights: Any,
-    *,
-    starts: int,
-    steps: int,
-    seed: int,
-) -> dict[str, float]:
-    """The terminal law on the unicycle from random starts in the set, beside references that change at random.
-
-    descended: share of steps with V+ - V <= -(stage cost); inside: share of states in the set; limits: share within the
-    commands' room; worst: the largest (V+ - V + stage) / V, negative where all descend.
-    """
-    rng = np.random.default_rng(seed)
-    direction = rng.normal(size=(starts, 3))
-    direction /= np.linalg.norm(direction, axis=1)[:, None]
-    radius = rng.uniform(0.0, 1.0, (starts, 1)) ** (1.0 / 3.0) * np.sqrt(design.level)
-    error = np.linalg.solve(np.linalg.cholesky(design.P).T, (direction * radius).T).T
-    room, Q = np.array(limits.room(model)[:2]), np.array([weights["position"]] * 2 + [weights["heading"]])
-    R = np.array([weights["speed"], weights["yaw_rate"]])
-    good, inside, kept, worst, simple = 0, 0, 0, -np.inf, 0
-    for _ in range(steps):
-        change = error @ design.K.T
-        speed = rng.uniform(*model.speed_mps, starts)
-        yaw_rate = rng.uniform(-model.yaw_rate_radps, model.yaw_rate_radps, starts)
-        after = model.step(error, change, speed, yaw_rate)
-        value, following = (np.einsum("ki,ij,kj->k", e, design.P, e) for e in (error, after))
-        gap = following - value + error**2 @ Q + change**2 @ R
-        good += int((gap <= 0.0).sum())
-        simple += int((following - value <= -Q.min() * (error**2).sum(axis=1)).sum())
-        inside += int(np.sum(design.contains(after)))
-        kept += int((np.abs(change) <= room).all(axis=1).sum())
-        worst = max(worst, float((gap / value).max()))
-        error = after
-    total = float(starts * steps)
-    return {
-        "descended": good / total,
-        "inequality_5_2_21": simple / total,
-        "inside": inside / total,
-        "limits_kept": kept / total,
-        "worst_excess": worst,
-    }
