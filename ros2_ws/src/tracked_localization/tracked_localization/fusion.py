@@ -10,10 +10,11 @@ from tracked_localization.gyro_record import GyroRecord
 from tracked_localization.health import IMU, BlameList, Fault
 from tracked_localization.innovation import Innovation
 from tracked_localization.pose_filter import PoseFilter
+from tracked_localization.pose_fusion import PoseFusion
 from tracked_localization.settings import OdometryFilterSettings
 from tracked_localization.slip import SlipEstimator, slip_at, unknown_slip
 from tracked_localization.standstill import Standstill
-from tracked_types import ImuSample, Odometry, Pose2, Slip, TrackSample, seconds_between
+from tracked_types import ImuSample, Odometry, Pose2, PoseSample, Slip, TrackSample, seconds_between
 
 
 @dataclass(slots=True)
@@ -45,6 +46,7 @@ class SensorFusion:
         self._settings = settings
         self._blames = blames
         self._filter = PoseFilter(settings)
+        self._poses = PoseFusion(settings, self._filter, blames)
         self._gyro = GyroGate(settings)
         self._belts = BeltPair(settings)
         self._gyro_record = GyroRecord()
@@ -97,6 +99,16 @@ class SensorFusion:
         self._standstill.restart()
         self.time_ns = start_ns
         self._inputs = _Inputs(start_ns=start_ns, rolled_m=self._filter.rolled_m)
+        self._poses.restart()
+
+    def fuse_pose(self, sample: PoseSample, now_ns: int | None) -> None:
+        """Take in a pose of the past, or of a moment that is still to come; ``now_ns``: newest stamp of any sensor."""
+        self._poses.add(sample, now_ns)
+
+    def remember(self, stamp_ns: int) -> None:
+        """All that is to come up to ``stamp_ns`` has come: poses of it may be fused from now on."""
+        self._filter.remember(stamp_ns)
+        self._poses.catch_up()
 
     def advance(self, stamp_ns: int) -> None:
         """Predict to ``stamp_ns``; with nobody to ask, the pose stays where it is."""

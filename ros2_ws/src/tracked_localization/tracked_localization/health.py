@@ -9,6 +9,7 @@ from tracked_types import to_nanoseconds
 
 IMU = "imu"
 TRACKS = "tracks"
+POSE = "pose"
 
 
 class Fault(Enum):
@@ -22,6 +23,8 @@ class Fault(Enum):
     SILENT = "silent"
     LOSSY = "loses samples"
     BAD_STAMP = "stamps are wrong"
+    BAD_COVARIANCE = "covariance is none"
+    WRONG_FRAME = "in another frame"
 
 
 @dataclass(frozen=True, slots=True)

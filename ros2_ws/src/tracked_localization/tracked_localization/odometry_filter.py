@@ -9,7 +9,7 @@ from tracked_localization.health import IMU, TRACKS, BlameList, Culprit, Fault, 
 from tracked_localization.innovation import Innovation
 from tracked_localization.sample_buffer import Arrival, Ready, SampleBuffer
 from tracked_localization.settings import OdometryFilterSettings
-from tracked_types import ImuSample, Odometry, PeriodGrid, Pose2, TrackSample, seconds_between
+from tracked_types import ImuSample, Odometry, PeriodGrid, Pose2, PoseSample, TrackSample, seconds_between
 
 _IMU, _TRACKS = 0, 1
 _SENSORS = (IMU, TRACKS)
@@ -84,6 +84,14 @@ class OdometryFilter:
         """Take in a sample; estimates for the instants that it completes."""
         return self._add(_TRACKS, sample.stamp_ns, sample)
 
+    def add_pose(self, sample: PoseSample) -> list[Estimate]:
+        """Take in a measured pose in the odometry's frame, however late within the patience; it completes no instant.
+
+        What it says of its own instant corrects the estimates from now on, as if it had come in time.
+        """
+        self._fusion.fuse_pose(sample, self._buffer.newest_ns)
+        return []
+
     def reset(self, pose: Pose2 | None = None) -> None:
         """Put the robot at ``pose`` (the origin by default), surely known; the gyro's bias is kept.
 
@@ -132,6 +140,7 @@ class OdometryFilter:
         while (instant_ns := self._grid.stamp_ns(self._next_index)) < stamp_ns:
             self._next_index += 1
             self._fusion.advance(instant_ns)
+            self._fusion.remember(instant_ns)
             yield Estimate(self._fusion.odometry(instant_ns), self._fusion.slip(instant_ns))
 
     def _watch_silence(self) -> None:

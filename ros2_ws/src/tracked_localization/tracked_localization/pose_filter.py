@@ -8,6 +8,7 @@ from filterpy.kalman import ExtendedKalmanFilter
 from tracked_localization.adaptive_noise import AdaptiveNoise
 from tracked_localization.constant_twist import constant_twist_step
 from tracked_localization.innovation import Innovation
+from tracked_localization.pose_memory import PoseMemory, Snapshot
 from tracked_localization.process_model import transition, unseen_motion
 from tracked_localization.settings import OdometryFilterSettings
 from tracked_localization.state import (
@@ -27,7 +28,7 @@ from tracked_localization.state import (
     keep_positive_definite,
     row,
 )
-from tracked_types import Odometry, Pose2, Twist2, wrap_angle
+from tracked_types import Odometry, Pose2, Twist2, to_nanoseconds, wrap_angle
 
 _START_VARIANCE = 1e-8
 _STANDING_VARIANCE = 1e-10
@@ -54,6 +55,7 @@ class PoseFilter:
         self._ekf = ExtendedKalmanFilter(dim_x=SIZE, dim_z=1)
         self._ekf.predict_x = self._move
         self._step = constant_twist_step(0.0, 0.0, 0.0, 0.0)
+        self.memory = PoseMemory(to_nanoseconds(settings.pose_patience_s))
         belts, body = settings.belt_acceleration_mps2, settings.body_yaw_acceleration_radps2
         # Per second: the ceiling lets an acceleration build up within a sample, the floor over minutes.
         self._speed_noise = AdaptiveNoise(1e-5 * belts**2, 1e3 * belts**2, rate=0.15)
@@ -126,6 +128,7 @@ class PoseFilter:
         self._ekf.F = transition(self._step, duration_s, fading)
         self._ekf.Q = unseen_motion(settings, heading, speed, rate, duration_s, gyro_fails=gyro_fails)
         self._ekf.predict()
+        self.memory.carry(self._ekf.F)
         bound(self._ekf.P)
         keep_positive_definite(self._ekf.P)
 
@@ -137,6 +140,7 @@ class PoseFilter:
         """
         self._ekf.P[YAW, YAW] += self._settings.settling_yaw_rad**2
         forget(self._ekf.P, BIAS, self.gyro_bias_variance)
+        self.memory.drop(BIAS)
 
     def stand(self, duration_s: float) -> None:
         """Let ``duration_s`` pass at rest: only the gyro's bias may change."""
@@ -148,6 +152,7 @@ class PoseFilter:
         forget(covariance, BIAS, walked)
         forget(covariance, ROLLED, self._rolled_variance)
         keep_positive_definite(covariance)
+        self.memory.drop(SPEED, YAW_RATE, BIAS, ROLLED, ACCELERATION, YAW_ACCELERATION)
 
     def halt(self, duration_s: float) -> None:
         """Let ``duration_s`` pass with nobody to ask: the pose stays, and grows less certain."""
@@ -194,10 +199,31 @@ class PoseFilter:
     def rebase_rolled(self) -> None:
         """The counter starts anew from the distance the filter believes in."""
         forget(self._ekf.P, ROLLED, self._rolled_variance)
+        self.memory.drop(ROLLED)
 
     def doubt_bias(self) -> None:
         """Learn the gyro's bias anew: it has changed."""
         forget(self._ekf.P, BIAS, self._settings.gyro_bias_limit_radps**2)
+        self.memory.drop(BIAS)
+
+    def remember(self, stamp_ns: int) -> None:
+        """Keep the present state for measurements of it that are still to come."""
+        self.memory.mark(stamp_ns, self._ekf.x, self._ekf.P)
+
+    def correct_past(self, snapshot: Snapshot, change: Array, covariance_change: Array) -> None:
+        """Correct a state of the past by ``change`` (9,), and by it the present one."""
+        self.memory.apply(snapshot, change, covariance_change, self._ekf.x, self._ekf.P)
+        keep_positive_definite(self._ekf.P)
+
+    def move(self, shift: Pose2, pose_covariance: Array) -> None:
+        """Put the robot elsewhere as a whole, by the rigid motion ``shift`` of the frame; its motion goes on."""
+        pose = shift.compose(self.odometry(0).pose)
+        self._ekf.x[[X, Y, YAW]] = pose.x_m, pose.y_m, pose.yaw_rad
+        for component in (X, Y, YAW):
+            forget(self._ekf.P, component, 1.0)
+        self._ekf.P[:3, :3] = pose_covariance
+        keep_positive_definite(self._ekf.P)
+        self.memory.clear()
 
     def odometry(self, stamp_ns: int) -> Odometry:
         """The state as odometry."""
@@ -231,6 +257,7 @@ class PoseFilter:
         bound(covariance)
         keep_positive_definite(covariance)
         self._ekf.x, self._ekf.P = state, covariance
+        self.memory.clear()
         self._speed_noise.restart()
         self._yaw_noise.restart()
 
@@ -251,3 +278,4 @@ class PoseFilter:
         )
         self._ekf.x[YAW] = wrap_angle(float(self._ekf.x[YAW]))
         keep_positive_definite(self._ekf.P)
+        self.memory.correct(self._ekf.K, selection)

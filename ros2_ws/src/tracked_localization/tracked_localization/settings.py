@@ -33,6 +33,19 @@ class OdometryFilterSettings:
     patience_s: float = setting(
         0.012, "how long, in stamps, an estimate waits for a sample that is missing", unit="s", low=0.0, high=0.1
     )
+    pose_patience_s: float = setting(
+        0.5, "a measured pose may come this late, in stamps; 0: none is fused", unit="s", low=0.0, high=5.0
+    )
+    pose_gate_chi_square: float = setting(
+        25.0, "squared innovation beyond which a measured pose is refused; three degrees of freedom", low=4.0
+    )
+    pose_surrender_s: float = setting(
+        1.0,
+        "when refused poses agree with one another for this long, the odometry moves to where they say",
+        unit="s",
+        low=0.0,
+        high=60.0,
+    )
     silence_s: float = setting(
         0.1, "a sensor that says nothing for this long is called silent", unit="s", low=0.02, high=1.0
     )

@@ -1,0 +1,122 @@
+"""States of the last moments, so that a measurement that comes late corrects the state of now.
+
+What the filter does to errors between two instants is linear: the product of its transitions and corrections. A late
+measurement corrects the state of its own instant as it would have then, and that product carries the correction on to
+every later state, which for a linear filter is exactly what fusing it in time would have given (Larsen et al. 1998).
+"""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from tracked_localization.state import SIZE, Array
+from tracked_types import Pose2, wrap_angle
+
+_POSE = slice(0, 3)
+
+
+@dataclass(slots=True)
+class Snapshot:
+    """State (9,) and covariance (9, 9) at one instant, and what becomes of their errors until the next one."""
+
+    stamp_ns: int
+    state: Array
+    covariance: Array
+    onward: Array
+
+    @property
+    def pose(self) -> Pose2:
+        """Its pose."""
+        return Pose2(float(self.state[0]), float(self.state[1]), wrap_angle(float(self.state[2])))
+
+
+class PoseMemory:
+    """Snapshots in the order of their stamps; it costs nothing until `begin`."""
+
+    def __init__(self, length_ns: int) -> None:
+        self._length_ns = length_ns
+        self._snapshots: deque[Snapshot] = deque()
+        self.active = False
+
+    def begin(self) -> None:
+        """Remember from now on."""
+        self.active = True
+
+    def clear(self) -> None:
+        """The state has been set by other means than motion and measurement."""
+        self._snapshots.clear()
+
+    def carry(self, change: Array) -> None:
+        """Errors of the state were multiplied by ``change`` (9, 9)."""
+        if self._snapshots:
+            last = self._snapshots[-1]
+            last.onward = change @ last.onward
+
+    def correct(self, gain: Array, measured: Array) -> None:
+        """The state was corrected with ``gain`` (9, 1) by a measurement of the row ``measured`` (1, 9)."""
+        if self._snapshots:
+            last = self._snapshots[-1]
+            last.onward -= gain @ (measured @ last.onward)
+
+    def drop(self, *components: int) -> None:
+        """These components were set anew: errors of before do not reach them."""
+        if self._snapshots:
+            self._snapshots[-1].onward[list(components)] = 0.0
+
+    def mark(self, stamp_ns: int, state: Array, covariance: Array) -> None:
+        """Remember the present state."""
+        if not self.active:
+            return
+        self._snapshots.append(Snapshot(stamp_ns, state.copy(), covariance.copy(), np.eye(SIZE)))
+        while self._snapshots[0].stamp_ns < stamp_ns - self._length_ns:
+            self._snapshots.popleft()
+
+    @property
+    def oldest_ns(self) -> int | None:
+        """Stamp of the oldest snapshot."""
+        return self._snapshots[0].stamp_ns if self._snapshots else None
+
+    @property
+    def newest_ns(self) -> int | None:
+        """Stamp of the newest snapshot."""
+        return self._snapshots[-1].stamp_ns if self._snapshots else None
+
+    def nearest(self, stamp_ns: int) -> Snapshot:
+        """The snapshot nearest to an instant between the oldest and the newest."""
+        return min(self._snapshots, key=lambda snapshot: abs(snapshot.stamp_ns - stamp_ns))
+
+    def pose_between(self, stamp_ns: int) -> Pose2:
+        """Pose at an instant between the oldest and the newest, interpolated."""
+        stamps = [snapshot.stamp_ns for snapshot in self._snapshots]
+        after = next(index for index, stamp in enumerate(stamps) if stamp >= stamp_ns)
+        late = self._snapshots[after]
+        if late.stamp_ns == stamp_ns:
+            return late.pose
+        early = self._snapshots[after - 1]
+        share = (stamp_ns - early.stamp_ns) / (late.stamp_ns - early.stamp_ns)
+        step = early.pose.inverse().compose(late.pose)
+        return early.pose.compose(Pose2(share * step.x_m, share * step.y_m, share * step.yaw_rad))
+
+    def apply(
+        self, snapshot: Snapshot, change: Array, covariance_change: Array, state: Array, covariance: Array
+    ) -> None:
+        """Correct a snapshot by ``change`` (9,), and with it all that came after, the present state included.
+
+        Older snapshots are forgotten: what is measured of them would have to be carried through the correction.
+        """
+        while self._snapshots[0] is not snapshot:
+            self._snapshots.popleft()
+        carry = np.eye(SIZE)
+        for later in self._snapshots:
+            _correct(later.state, later.covariance, carry @ change, carry @ covariance_change @ carry.T)
+            carry = later.onward @ carry
+        _correct(state, covariance, carry @ change, carry @ covariance_change @ carry.T)
+
+
+def _correct(state: Array, covariance: Array, change: Array, covariance_change: Array) -> None:
+    state += change
+    state[2] = wrap_angle(float(state[2]))
+    covariance += covariance_change
+    covariance += covariance.T
+    covariance *= 0.5
