@@ -1,7 +1,7 @@
 """Fusion of samples that come in the order of their stamps."""
 
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import cast
 
 from tracked_localization.belt_pair import BeltMotion, BeltPair
@@ -171,8 +171,16 @@ class SensorFusion:
             self._inputs.slip = self._slip_estimator.update(
                 stamp_ns, left, right, yaw_rate, variance, motion.duration_s
             )
+            self._inputs.slip = self._as_poses_show(self._inputs.slip, 0.5 * (left + right))
         elif self.imu_fails and not self.standing:
             self._filter.update_yaw_rate(*self._yaw_rate_of_belts(belt_rate))
+
+    def _as_poses_show(self, slip: Slip, belt_speed_mps: float) -> Slip:
+        """Where measured poses show what the ground takes of the speed, that replaces the assumption (5.2.8)."""
+        share = self._filter.lost_share
+        if share is None or not slip.known:
+            return slip
+        return replace(slip, speed_mps=-share[0] * belt_speed_mps, speed_variance=share[1] * belt_speed_mps**2)
 
     def _check_bias(self, stamp_ns: int) -> None:
         """At rest the gyro shows its bias; a bias that is not the one known is a fault of the gyro."""

@@ -15,6 +15,7 @@ from tracked_localization.state import (
     ACCELERATION,
     BIAS,
     ROLLED,
+    SHARE,
     SIZE,
     SPEED,
     YAW,
@@ -55,6 +56,7 @@ class PoseFilter:
         self._ekf = ExtendedKalmanFilter(dim_x=SIZE, dim_z=1)
         self._ekf.predict_x = self._move
         self._step = constant_twist_step(0.0, 0.0, 0.0, 0.0)
+        self._rolled_step_m = 0.0
         self.memory = PoseMemory(to_nanoseconds(settings.pose_patience_s))
         belts, body = settings.belt_acceleration_mps2, settings.body_yaw_acceleration_radps2
         # Per second: the ceiling lets an acceleration build up within a sample, the floor over minutes.
@@ -70,7 +72,7 @@ class PoseFilter:
 
     @property
     def covariance(self) -> Array:
-        """Covariance (9, 9) of the state; a copy."""
+        """Covariance (10, 10) of the state; a copy."""
         return np.array(self._ekf.P)
 
     @property
@@ -98,6 +100,13 @@ class PoseFilter:
         """Estimated yaw rate of the body."""
         return float(self._ekf.x[YAW_RATE])
 
+    @property
+    def lost_share(self) -> tuple[float, float] | None:
+        """Share of the belts' speed that the ground takes, and its variance; None while no pose shows it."""
+        if not self.memory.active:
+            return None
+        return float(self._ekf.x[SHARE]), float(self._ekf.P[SHARE, SHARE])
+
     def restart(self, pose: Pose2) -> None:
         """Begin anew at ``pose``, surely known, with unknown speeds; the gyro's bias is kept."""
         self._begin(pose, np.diag([_START_VARIANCE] * 3))
@@ -124,9 +133,13 @@ class PoseFilter:
         speed = fading * float(state[SPEED]) + duration_s * float(state[ACCELERATION])
         rate = float(state[YAW_RATE]) + duration_s * float(state[YAW_ACCELERATION])
         state[SPEED], state[YAW_RATE] = speed, rate
-        self._step = constant_twist_step(heading, speed, rate, duration_s, settings.slide_s)
-        self._ekf.F = transition(self._step, duration_s, fading)
+        lost = float(state[SHARE])
+        self._step = constant_twist_step(heading, (1.0 - lost) * speed, rate, duration_s, settings.slide_s)
+        self._rolled_step_m = duration_s * speed
+        self._ekf.F = transition(self._step, duration_s, fading, speed, lost)
         self._ekf.Q = unseen_motion(settings, heading, speed, rate, duration_s, gyro_fails=gyro_fails)
+        if self.memory.active:
+            self._ekf.Q[SHARE, SHARE] = settings.slip_share_walk_sqrt_s**2 * duration_s
         self._ekf.predict()
         self.memory.carry(self._ekf.F)
         bound(self._ekf.P)
@@ -206,12 +219,18 @@ class PoseFilter:
         forget(self._ekf.P, BIAS, self._settings.gyro_bias_limit_radps**2)
         self.memory.drop(BIAS)
 
+    def expect_poses(self) -> None:
+        """Poses will show how much of the belts' speed the ground gives back: learn that share from now on."""
+        if not self.memory.active:
+            self.memory.begin()
+            self._ekf.P[SHARE, SHARE] = self._settings.longitudinal_slip**2
+
     def remember(self, stamp_ns: int) -> None:
         """Keep the present state for measurements of it that are still to come."""
         self.memory.mark(stamp_ns, self._ekf.x, self._ekf.P)
 
     def correct_past(self, snapshot: Snapshot, change: Array, covariance_change: Array) -> None:
-        """Correct a state of the past by ``change`` (9,), and by it the present one."""
+        """Correct a state of the past by ``change`` (10,), and by it the present one."""
         self.memory.apply(snapshot, change, covariance_change, self._ekf.x, self._ekf.P)
         keep_positive_definite(self._ekf.P)
 
@@ -233,7 +252,7 @@ class PoseFilter:
             frame_id=self._settings.odom_frame,
             child_frame_id=self._settings.base_frame,
             pose=Pose2(float(state[X]), float(state[Y]), float(state[YAW])),
-            twist=Twist2(float(state[SPEED]), float(state[YAW_RATE])),
+            twist=Twist2(float((1.0 - state[SHARE]) * state[SPEED]), float(state[YAW_RATE])),
             pose_covariance=covariance[:3, :3].copy(),
             twist_covariance=covariance[SPEED : YAW_RATE + 1, SPEED : YAW_RATE + 1].copy(),
         )
@@ -254,6 +273,8 @@ class PoseFilter:
             covariance[component, component] = deviation**2
         covariance[BIAS, BIAS] = bias_variance
         covariance[ROLLED, ROLLED] = self._rolled_variance
+        if self.memory.active:
+            covariance[SHARE, SHARE] = settings.longitudinal_slip**2
         bound(covariance)
         keep_positive_definite(covariance)
         self._ekf.x, self._ekf.P = state, covariance
@@ -267,7 +288,7 @@ class PoseFilter:
         state[X] += step.x_m
         state[Y] += step.y_m
         state[YAW] = wrap_angle(float(state[YAW]) + step.yaw_rad)
-        state[ROLLED] += step.arc_m
+        state[ROLLED] += self._rolled_step_m
         memory = float(self._ekf.F[ACCELERATION, ACCELERATION])
         state[ACCELERATION] *= memory
         state[YAW_ACCELERATION] *= memory

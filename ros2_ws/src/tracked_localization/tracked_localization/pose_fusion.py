@@ -44,7 +44,7 @@ class PoseFusion:
         if problem is not None:
             self._blames.blame(POSE, problem, now_ns or sample.stamp_ns)
             return
-        self._memory.begin()
+        self._filter.expect_poses()
         if now_ns is None or seconds_between(sample.stamp_ns, now_ns) > self._settings.pose_patience_s:
             self._blames.blame(POSE, Fault.BAD_STAMP, now_ns or sample.stamp_ns)
         elif any(sample.stamp_ns == other.stamp_ns for other in self._waiting) or sample.stamp_ns == self._last_ns:

@@ -2,7 +2,8 @@
 
 What the filter does to errors between two instants is linear: the product of its transitions and corrections. A late
 measurement corrects the state of its own instant as it would have then, and that product carries the correction on to
-every later state, which for a linear filter is exactly what fusing it in time would have given (Larsen et al. 1998).
+every later state (Larsen et al. 1998). The covariance stays true. All that is lost against fusing in time is that the
+gains of the meantime were made without it, which is next to nothing for gyro and belts: they do not see the pose.
 """
 
 from collections import deque
@@ -18,7 +19,7 @@ _POSE = slice(0, 3)
 
 @dataclass(slots=True)
 class Snapshot:
-    """State (9,) and covariance (9, 9) at one instant, and what becomes of their errors until the next one."""
+    """State (10,) and covariance (10, 10) at one instant, and what becomes of their errors until the next one."""
 
     stamp_ns: int
     state: Array
@@ -48,13 +49,13 @@ class PoseMemory:
         self._snapshots.clear()
 
     def carry(self, change: Array) -> None:
-        """Errors of the state were multiplied by ``change`` (9, 9)."""
+        """Errors of the state were multiplied by ``change`` (10, 10)."""
         if self._snapshots:
             last = self._snapshots[-1]
             last.onward = change @ last.onward
 
     def correct(self, gain: Array, measured: Array) -> None:
-        """The state was corrected with ``gain`` (9, 1) by a measurement of the row ``measured`` (1, 9)."""
+        """The state was corrected with ``gain`` (10, 1) by a measurement of the row ``measured`` (1, 10)."""
         if self._snapshots:
             last = self._snapshots[-1]
             last.onward -= gain @ (measured @ last.onward)
@@ -101,7 +102,7 @@ class PoseMemory:
     def apply(
         self, snapshot: Snapshot, change: Array, covariance_change: Array, state: Array, covariance: Array
     ) -> None:
-        """Correct a snapshot by ``change`` (9,), and with it all that came after, the present state included.
+        """Correct a snapshot by ``change`` (10,), and with it all that came after, the present state included.
 
         Older snapshots are forgotten: what is measured of them would have to be carried through the correction.
         """

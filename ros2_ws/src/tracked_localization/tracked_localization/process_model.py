@@ -10,6 +10,7 @@ from tracked_localization.state import (
     ACCELERATION,
     BIAS,
     ROLLED,
+    SHARE,
     SIZE,
     SPEED,
     YAW,
@@ -23,17 +24,23 @@ from tracked_localization.state import (
 _ACCELERATION_MEMORY_S = 0.2
 
 
-def transition(step: TwistStep, duration_s: float, fading: float) -> Array:
-    """Jacobian (9, 9) of a step: accelerations move the speeds, then the new speeds move the pose.
+def transition(step: TwistStep, duration_s: float, fading: float, belt_speed_mps: float, lost_share: float) -> Array:
+    """Jacobian (10, 10) of a step: accelerations move the speeds, then the new speeds move the pose.
 
-    ``fading``: share of the forward speed that is left after the step.
+    ``fading``: share of the forward speed that is left after the step; ``lost_share`` of the new belt speed the ground
+    does not give back, so that the pose moves by the rest.
     """
     jacobian = np.eye(SIZE)
     jacobian[X, YAW] = step.x_per_yaw
     jacobian[Y, YAW] = step.y_per_yaw
+    kept_share = 1.0 - lost_share
+    jacobian[X, SHARE] = -belt_speed_mps * step.x_per_speed
+    jacobian[Y, SHARE] = -belt_speed_mps * step.y_per_speed
+    moved_by_speed = ((X, kept_share * step.x_per_speed), (Y, kept_share * step.y_per_speed), (ROLLED, duration_s))
+    moved_by_rate = ((X, step.x_per_rate), (Y, step.y_per_rate), (YAW, duration_s))
     speeds = (
-        (SPEED, ACCELERATION, fading, ((X, step.x_per_speed), (Y, step.y_per_speed), (ROLLED, duration_s))),
-        (YAW_RATE, YAW_ACCELERATION, 1.0, ((X, step.x_per_rate), (Y, step.y_per_rate), (YAW, duration_s))),
+        (SPEED, ACCELERATION, fading, moved_by_speed),
+        (YAW_RATE, YAW_ACCELERATION, 1.0, moved_by_rate),
     )
     memory = math.exp(-duration_s / _ACCELERATION_MEMORY_S)
     for speed, acceleration, kept, moved in speeds:
@@ -55,7 +62,7 @@ def unseen_motion(
     *,
     gyro_fails: bool,
 ) -> Array:
-    """Covariance (9, 9) of what no sensor sees during a step: slip along and across, and the bias's walk.
+    """Covariance (10, 10) of what no sensor sees during a step: slip along and across, and the bias's walk.
 
     Without a gyro the yaw rate comes from the belts, and its error lasts as slip does.
     """

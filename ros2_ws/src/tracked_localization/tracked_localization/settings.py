@@ -77,6 +77,13 @@ class OdometryFilterSettings:
     longitudinal_slip: float = setting(
         0.03, "slip common to both tracks, as a share of the speed (one sigma); no sensor sees it", low=0.0, high=1.0
     )
+    slip_share_walk_sqrt_s: float = setting(
+        0.03,
+        "how fast that share changes (one sigma after a second), where measured poses let it be learnt",
+        unit="1/sqrt(s)",
+        low=0.0,
+        high=1.0,
+    )
     slide_s: float = setting(
         0.0,
         "angle between motion and heading per yaw rate: tracks slide outwards in curves. 0: unknown, and the control "

@@ -5,33 +5,33 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-X, Y, YAW, SPEED, YAW_RATE, BIAS, ROLLED, ACCELERATION, YAW_ACCELERATION = range(9)
-SIZE = 9
+X, Y, YAW, SPEED, YAW_RATE, BIAS, ROLLED, ACCELERATION, YAW_ACCELERATION, SHARE = range(10)
+SIZE = 10
 
 _FLOOR = 1e-12
-_CEILING = np.array([1e4, 1e4, 1e2, 1.0, 10.0, 1e-2, 1e2, 1e2, 1e3])
+_CEILING = np.array([1e4, 1e4, 1e2, 1.0, 10.0, 1e-2, 1e2, 1e2, 1e3, 1.0])
 
 
 def row(*ones: int) -> Array:
-    """Measurement row (1, 9) that sums these components."""
+    """Measurement row (1, 10) that sums these components."""
     selection = np.zeros((1, SIZE))
     selection[0, list(ones)] = 1.0
     return selection
 
 
 def keep_positive_definite(covariance: Array) -> None:
-    """Make a covariance (9, 9) exactly symmetric and safely positive definite, in place."""
+    """Make a covariance (10, 10) exactly symmetric and safely positive definite, in place."""
     covariance += covariance.T
     covariance *= 0.5
     covariance.flat[:: SIZE + 1] += _FLOOR
 
 
 def bound(covariance: Array) -> None:
-    """Keep the variances of a covariance (9, 9) below what could ever matter, in place."""
+    """Keep the variances of a covariance (10, 10) below what could ever matter, in place."""
     diagonal = covariance.diagonal()
     if (diagonal > _CEILING).any():
         # Scaling rows and columns alike keeps a matrix positive definite; clipping its diagonal does not.
-        scale = np.sqrt(np.minimum(1.0, _CEILING / diagonal))
+        scale = np.sqrt(_CEILING / np.maximum(diagonal, _CEILING))
         covariance *= scale[:, None] * scale
 
 
