@@ -3,13 +3,13 @@
 import math
 
 import numpy as np
-from filterpy.kalman import ExtendedKalmanFilter
 
 from tracked_localization.adaptive_noise import AdaptiveNoise
 from tracked_localization.constant_twist import constant_twist_step
 from tracked_localization.innovation import Innovation
 from tracked_localization.pose_memory import PoseMemory, Snapshot
 from tracked_localization.process_model import transition, unseen_motion
+from tracked_localization.scalar_filter import ScalarFilter
 from tracked_localization.settings import OdometryFilterSettings
 from tracked_localization.state import (
     ACCELERATION,
@@ -53,7 +53,7 @@ class PoseFilter:
 
     def __init__(self, settings: OdometryFilterSettings) -> None:
         self._settings = settings
-        self._ekf = ExtendedKalmanFilter(dim_x=SIZE, dim_z=1)
+        self._ekf = ScalarFilter(SIZE)
         self._ekf.predict_x = self._move
         self._step = constant_twist_step(0.0, 0.0, 0.0, 0.0)
         self._rolled_step_m = 0.0
@@ -294,9 +294,7 @@ class PoseFilter:
         state[YAW_ACCELERATION] *= memory
 
     def _correct(self, value: float, selection: Array, variance: float) -> None:
-        self._ekf.update(
-            np.array([value]), lambda _state: selection, lambda state: selection @ state, R=np.array([[variance]])
-        )
+        self._ekf.update_scalar(value, selection, variance)
         self._ekf.x[YAW] = wrap_angle(float(self._ekf.x[YAW]))
         keep_positive_definite(self._ekf.P)
         self.memory.correct(self._ekf.K, selection)

@@ -23,7 +23,7 @@ def keep_positive_definite(covariance: Array) -> None:
     """Make a covariance (10, 10) exactly symmetric and safely positive definite, in place."""
     covariance += covariance.T
     covariance *= 0.5
-    covariance.flat[:: SIZE + 1] += _FLOOR
+    covariance.ravel()[:: SIZE + 1] += _FLOOR  # a view: covariances are contiguous
 
 
 def bound(covariance: Array) -> None:
