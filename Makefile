@@ -10,7 +10,7 @@ TYPED = $(patsubst %/py.typed,%,$(wildcard ros2_ws/src/*/*/py.typed)) tools/setu
 EMPTY :=
 MYPYPATH = $(subst $(EMPTY) $(EMPTY),:,$(wildcard ros2_ws/src/*))
 
-.PHONY: help setup demo test quick claims gallery recordings check docs format lock test-robot clean
+.PHONY: help setup demo test quick claims gallery recordings check docs format lock test-robot clean tune
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{ printf "  make %-12s %s\n", $$1, $$2 }'
@@ -38,6 +38,9 @@ gallery: setup ## figures of chapters 2 and 3 made anew, on one page
 
 recordings: setup ## slip law and odometry filter on recordings of real vehicles
 	@./run python benchmarks/recordings.py
+
+tune: setup ## search the weights of every way to drive of table 5.1 (20 minutes)
+	@./run python benchmarks/tune.py
 
 check: setup ## lint, format and types
 	@.venv/bin/ruff check .

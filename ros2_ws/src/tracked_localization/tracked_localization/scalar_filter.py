@@ -9,7 +9,7 @@ from tracked_localization.state import Array
 
 
 class ScalarFilter(ExtendedKalmanFilter):  # type: ignore[misc]
-    """Same prediction and same (Joseph) correction, without inverting matrices of one element, which took the most time.
+    """Same prediction and same (Joseph) correction, without inverting matrices of one element, which took most time.
 
     After `update_scalar` the attribute ``K`` holds the gain (n, 1), as after filterpy's ``update``.
     """
