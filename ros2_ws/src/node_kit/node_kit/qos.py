@@ -28,6 +28,10 @@ COMMAND = STATE
 """Commands; a lost one would stall a lock-step run."""
 
 
-def sensor(*, reliable: bool, depth: int = 10) -> QoSProfile:
-    """Quality of service for a subscription of sensor samples, as the parameter RELIABLE_SENSORS says."""
-    return QoSProfile(depth=depth, reliability=(STATE if reliable else SENSOR).reliability)
+def sensor(*, reliable: bool, depth: int | None = None) -> QoSProfile:
+    """Quality of service for a subscription of sensor samples, as the parameter RELIABLE_SENSORS says.
+
+    Who wants every sample must also keep those that come while it has no processor.
+    """
+    kind = STATE if reliable else SENSOR
+    return QoSProfile(depth=kind.depth if depth is None else depth, reliability=kind.reliability)

@@ -44,6 +44,15 @@ def test_without_a_reference_nobody_plans() -> None:
     assert graph.has("command_arbiter") and graph.has("ekf")
 
 
+def test_optional_nodes_take_part_where_they_are_named() -> None:
+    assert not plan("track").has("mcap_recorder") and not plan("track").has("replay")
+    graph = plan("track", "double", "nodes.mcap_recorder:=true")
+    assert graph.has("mcap_recorder") and not graph.has("replay")
+    recorder = next(process for process in graph.processes if process.name == "raw_recording")
+    commanding = next(process for process in graph.processes if process.name == "control")
+    assert recorder.order < commanding.order, "it hears the first command"
+
+
 def test_nodes_can_be_left_out() -> None:
     graph = plan("track", "double", "nodes.sim_bridge:=false")
     assert not graph.has("sim_bridge")
