@@ -15,7 +15,6 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from solver_peers import DoMpcPeer, OptiPeer
 
 from nmpc_layers.solver import BoxSolver, Motion, Problem, Solution, TrackLimits, TrackSolver
 from nmpc_layers.solver.oracle import IpoptOracle
@@ -24,6 +23,7 @@ from tracked_description import load_robot
 from tracked_lab.closed_loop import ClosedLoop
 from tracked_lab.kinematic_ground import Ground
 from tracked_lab.kinematic_plant import KinematicPlant
+from tracked_lab.ocp_peers import DoMpcPeer, OptiPeer
 from tracked_lab.stack import Stack
 from tracked_lab.steering import NmpcLayers
 from tracked_report.results import write_metrics

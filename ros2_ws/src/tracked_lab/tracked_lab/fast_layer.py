@@ -1,13 +1,13 @@
 """One 30 Hz layer: what the lower layer does, along the reference itself instead of an upper layer's plan."""
 
-from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
 from nmpc_layers import LowerLayer, LowerSettings
 from tracked_description import Robot
+from tracked_lab.reference_feed import ReferenceFeed
 from tracked_lab.steering import SteeringOutput, lower_settings_of
-from tracked_types import Odometry, Slip, Trajectory, VelocityCommand, to_nanoseconds
+from tracked_types import Odometry, Slip, Trajectory, VelocityCommand
 
 
 class FastLayer:
@@ -19,8 +19,7 @@ class FastLayer:
 
     def __init__(self, settings: LowerSettings) -> None:
         self.layer = LowerLayer(settings)
-        self._latency_ns = to_nanoseconds(settings.pipeline_latency_s)
-        self._pieces: deque[Trajectory] = deque()
+        self._feed = ReferenceFeed(settings.pipeline_latency_s)
 
     @classmethod
     def from_parameters(cls, robot: Robot, parameters: Mapping[str, Any]) -> "FastLayer":
@@ -36,7 +35,7 @@ class FastLayer:
 
     def set_reference(self, reference: Trajectory) -> None:
         """The newest piece of reference."""
-        self._pieces.append(reference)
+        self._feed.add(reference)
 
     def set_slip(self, slip: Slip) -> None:
         """The slip of the odometry that comes next."""
@@ -48,7 +47,8 @@ class FastLayer:
 
     def update(self, odometry: Odometry) -> SteeringOutput | None:
         """React to one odometry; None if nothing is due at its stamp."""
-        while self._pieces and self._pieces[0].stamp_ns + self._latency_ns <= odometry.stamp_ns:
-            self.layer.set_plan(self._pieces.popleft())
+        piece = self._feed.release(odometry.stamp_ns)
+        if piece is not None:
+            self.layer.set_plan(piece)
         followed = self.layer.update(odometry)
         return None if followed is None else SteeringOutput(followed.command, lower=followed)

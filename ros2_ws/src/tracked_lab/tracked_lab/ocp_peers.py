@@ -42,6 +42,7 @@ class OptiPeer:
         opti.solver("ipopt", {"print_time": 0, "ipopt.print_level": 0, "ipopt.sb": "yes"})
         self._opti, self._cost = opti, cost
         self._guess = np.zeros((horizon, 2))
+        self.commands = self._guess
 
     def start_from(self, guess: Array) -> None:
         """Commands (N, 2) from which the next solve starts."""
@@ -59,7 +60,9 @@ class OptiPeer:
         opti.set_value(self._high, problem.high)
         opti.set_initial(self._states[:3, :], problem.state_reference.T)
         opti.set_initial(self._commands, self._guess.T)
-        return float(opti.solve().value(self._cost))
+        found = opti.solve()
+        self.commands = np.asarray(found.value(self._commands)).T
+        return float(found.value(self._cost))
 
 
 class DoMpcPeer:
@@ -70,6 +73,7 @@ class DoMpcPeer:
             warnings.simplefilter("ignore")
             import do_mpc
         self._horizon, self._problem = horizon, sample
+        self.commands = np.zeros((horizon, 2))
         model = do_mpc.model.Model("discrete")
         state = model.set_variable("_x", "state", (motion.state_count, 1))
         command = model.set_variable("_u", "command", (2, 1))
@@ -109,6 +113,8 @@ class DoMpcPeer:
         """One step of the controller; do-mpc does not hand its cost out."""
         self._problem = problem
         self._controller.make_step(problem.start.reshape(-1, 1))
+        found = self._controller.opt_x_num
+        self.commands = np.array([np.asarray(found["_u", stage, 0]).ravel() for stage in range(self._horizon)])
         return float("nan")
 
     def _varying(self, _time: float) -> Any:
