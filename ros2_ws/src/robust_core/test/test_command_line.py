@@ -79,7 +79,7 @@ def test_certificates_of_no_design_make_no_design_file(tmp_path) -> None:
     from robust_core import CommonLyapunov, PolytopicSystem, decide
 
     certificate = decide(CommonLyapunov(), PolytopicSystem.of([[[-1.0]]])).require()
-    with pytest.raises(ArgumentError, match="gains, a filter or an observer"):
+    with pytest.raises(ArgumentError, match="gains, a filter, an observer or a terminal weight"):
         save_design(certificate, tmp_path / "design.json")
 
 

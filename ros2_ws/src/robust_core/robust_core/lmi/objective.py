@@ -7,6 +7,7 @@ import numpy as np
 from robust_core.errors import ArgumentError
 from robust_core.lmi.coefficients import Family
 from robust_core.lmi.conic import ConicProblem, ConicSolution
+from robust_core.lmi.large_blocks import minimise_large, pays
 from robust_core.lmi.settings import SolverSettings
 from robust_core.rational import Floats
 
@@ -34,5 +35,10 @@ def minimise(
         raise ArgumentError("linear", f"of shape ({size},)", f"shape {np.shape(linear)}")
     if quadratic is not None and np.shape(quadratic) != (size, size):
         raise ArgumentError("quadratic", f"of shape ({size}, {size})", f"shape {np.shape(quadratic)}")
+    chosen = settings or SolverSettings()
+    if linear is not None and quadratic is None and pays(families):
+        found = minimise_large(families, np.asarray(linear, dtype=np.float64), chosen)
+        if found is not None:
+            return found
     problem = ConicProblem.shaped(families, with_margin=False, with_size=False)
-    return problem.solve(families, settings=settings or SolverSettings(), linear=linear, quadratic=quadratic)
+    return problem.solve(families, settings=chosen, linear=linear, quadratic=quadratic)

@@ -22,6 +22,14 @@ class Triangle:
         """(..., n, n) -> (..., p)."""
         return np.asarray(matrices[..., self.row, self.column] * self._scale)
 
+    def pack_sum(self, matrices: Floats) -> Floats:
+        """pack(M + M') for matrices (..., n, n) that need not be symmetric."""
+        flat = matrices.reshape(*matrices.shape[:-2], -1)
+        out = flat.take(self.row * self.size + self.column, axis=-1)
+        out += flat.take(self.column * self.size + self.row, axis=-1)
+        out *= self._scale
+        return np.asarray(out)
+
     def unpack(self, vectors: Floats) -> Floats:
         """(..., p) -> (..., n, n)."""
         return np.asarray((vectors / self._scale)[..., self._positions])
