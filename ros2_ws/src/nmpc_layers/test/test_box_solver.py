@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nmpc_layers.solver import BoxSolver, Motion, Outcome
+from nmpc_layers.solver import BoxSolver, Motion, Outcome, SolverCodeWarning
 from nmpc_layers.solver.oracle import IpoptOracle
 from nmpc_layers.solver.samples import HIGH, LOW, TERMINAL, winding_problems
 
@@ -121,3 +121,13 @@ def test_shift_beyond_the_horizon_repeats_the_last_command(solvers):
 def test_horizon_of_one_step_is_refused():
     with pytest.raises(ValueError, match="horizon"):
         BoxSolver(Motion.KINEMATIC, 1)
+
+
+def test_without_compiler_the_interpreter_stands_in_and_says_so(tmp_path, monkeypatch):
+    monkeypatch.setenv("TRACKED_CACHE_DIR", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", "")
+    with pytest.warns(SolverCodeWarning, match="no C compiler"):
+        solver = BoxSolver(Motion.KINEMATIC, 4)
+    assert not solver.is_compiled
+    assert "apt install gcc" in solver.interpreter_reason

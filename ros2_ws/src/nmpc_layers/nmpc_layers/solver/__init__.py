@@ -1,7 +1,7 @@
 """Optimal control problem of both layers and the solvers for it. Knows no ROS and no robot."""
 
+from casadi_code import SolverCodeWarning
 from nmpc_layers.solver.box_solver import BoxSolver
-from nmpc_layers.solver.code_cache import SolverCodeWarning
 from nmpc_layers.solver.motion_model import Motion, MotionParameters
 from nmpc_layers.solver.problem import Problem
 from nmpc_layers.solver.solution import Outcome, Solution

@@ -4,8 +4,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from nmpc_layers.solver.code_cache import cache_directory, compiled
-from nmpc_layers.solver.function_buffer import FunctionBuffer
+from casadi_code import FunctionBuffer, cache_directory, compiled
 from nmpc_layers.solver.motion_model import Motion
 from nmpc_layers.solver.problem import Problem
 from nmpc_layers.solver.riccati import riccati_iteration

@@ -7,9 +7,8 @@ import daqp
 import numpy as np
 from numpy.typing import NDArray
 
-from nmpc_layers.solver.code_cache import compiled
+from casadi_code import FunctionBuffer, compiled
 from nmpc_layers.solver.condensing import condensed_cost
-from nmpc_layers.solver.function_buffer import FunctionBuffer
 from nmpc_layers.solver.motion_model import Motion
 from nmpc_layers.solver.problem import Problem
 from nmpc_layers.solver.solution import Outcome, Solution

@@ -6,8 +6,8 @@ import sys
 import casadi
 import pytest
 
-from nmpc_layers.solver import BoxSolver, Motion, SolverCodeWarning, code_cache
-from nmpc_layers.solver.code_cache import CompileError, compiled, is_trusted, library_of
+from casadi_code import CompileError, SolverCodeWarning, code_cache, compiled
+from casadi_code.code_cache import is_trusted, library_of
 
 
 @pytest.fixture
@@ -67,12 +67,12 @@ def test_other_flags_are_another_library(cache, square, monkeypatch):
     assert library_of(square) != library
 
 
-def test_without_compiler_the_interpreter_stands_in_and_says_so(cache, monkeypatch):
+def test_without_compiler_the_function_itself_stands_in_and_says_so(cache, square, monkeypatch):
     monkeypatch.setenv("PATH", "")
+    monkeypatch.delenv("CC", raising=False)
     with pytest.warns(SolverCodeWarning, match="no C compiler"):
-        solver = BoxSolver(Motion.KINEMATIC, 4)
-    assert not solver.is_compiled
-    assert "apt install gcc" in solver.interpreter_reason
+        function, reason = compiled(square)
+    assert function(3.0) == 9.0 and "apt install gcc" in reason
 
 
 def test_failing_compiler_is_named_with_its_last_words(cache, square, tmp_path, monkeypatch):
@@ -93,7 +93,7 @@ def test_killed_compiler_leaves_nothing(cache, square, tmp_path, monkeypatch):
 def test_killed_set_up_leaves_nothing_that_is_trusted(cache, square, tmp_path):
     compiler = fake_compiler(tmp_path, "echo half > square.so; kill -9 $PPID; sleep 5")
     program = (
-        "import casadi; from nmpc_layers.solver.code_cache import library_of; x = casadi.SX.sym('x');"
+        "import casadi; from casadi_code.code_cache import library_of; x = casadi.SX.sym('x');"
         "library_of(casadi.Function('square', [x], [x * x]))"
     )
     environment = {**os.environ, "CC": compiler, "PYTHONPATH": os.pathsep.join(sys.path)}
