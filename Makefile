@@ -10,7 +10,7 @@ TYPED = $(patsubst %/py.typed,%,$(wildcard ros2_ws/src/*/*/py.typed)) tools/setu
 EMPTY :=
 MYPYPATH = $(subst $(EMPTY) $(EMPTY),:,$(wildcard ros2_ws/src/*))
 
-.PHONY: help setup demo test quick claims gallery recordings check docs format lock test-robot clean tune
+.PHONY: help setup demo test quick claims gallery recordings check docs format lock test-robot clean tune figure-5-13
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{ printf "  make %-12s %s\n", $$1, $$2 }'
@@ -41,6 +41,9 @@ recordings: setup ## slip law and odometry filter on recordings of real vehicles
 
 tune: setup ## search the weights of every way to drive of table 5.1 (20 minutes)
 	@./run python benchmarks/tune.py
+
+figure-5-13: setup ## one lifted layer against two, by five solvers
+	@./run python benchmarks/figure_5_13.py
 
 check: setup ## lint, format and types
 	@.venv/bin/ruff check .
