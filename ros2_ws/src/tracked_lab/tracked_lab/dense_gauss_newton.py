@@ -1,8 +1,8 @@
 """The layers' problem solved the dense way, as in the thesis's time measurements (Fig 5.13).
 
 The textbook's form: all commands at once, the sensitivities of every pose to every command and the weights of all
-stages as full matrices, and each Gauss-Newton step a dense quadratic program. Its work grows with the square to the cube
-of the horizon.
+stages as full matrices, and each Gauss-Newton step a dense quadratic program. Its work grows with the square to the
+cube of the horizon.
 """
 
 from typing import Any
