@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from tracked_lab.gallery import ENTRIES, Check, Entry, Label
-from tracked_lab.gallery.entry import close, exactly, holds
+from tracked_lab.gallery.entry import Check, Entry, Label, close, exactly, holds
 from tracked_lab.gallery.page import gallery_page
+from tracked_lab.gallery.theory import ENTRIES
 
 ERRATA = Path(__file__).parents[4] / "docs" / "errata.md"
 
@@ -54,7 +54,7 @@ class Anchors(HTMLParser):
 
 
 def test_the_page_needs_nothing_else_and_its_links_lead_somewhere(made: dict[str, Entry]) -> None:
-    page = gallery_page(list(made.values()), "abc")
+    page = gallery_page(list(made.values()), "Figures", "Made anew.", [("commit", "abc")])
     anchors = Anchors()
     anchors.feed(page)
     assert len(set(anchors.ids)) == len(anchors.ids)
@@ -66,7 +66,8 @@ def test_the_page_needs_nothing_else_and_its_links_lead_somewhere(made: dict[str
 def test_a_check_that_fails_is_shown_as_failed(made: dict[str, Entry]) -> None:
     bad = Entry("Fig 0", "t", Label.DIFFERS, "text", (exactly("count", 1, 2), holds("true", False)))
     assert not bad.passed
-    assert "1 ✗" in gallery_page([bad], "abc") and "no ✗" in gallery_page([bad], "abc")
+    page = gallery_page([bad], "Figures", "Made anew.", [])
+    assert "1 ✗" in page and "no ✗" in page
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
+
+from tracked_report.plots.style import Picture, new_figure, styled, to_svg
 
 
 class Label(Enum):
@@ -73,6 +75,13 @@ def close(what: str, value: float, wanted: float, relative: float, thesis: str =
     return Check(what, float(value), wanted - spread, wanted + spread, thesis, unit)
 
 
+class Illustration(Protocol):
+    """What is drawn when its entry is shown."""
+
+    def picture(self, slug: str) -> Picture:
+        """The picture, its ids beginning with ``slug``."""
+
+
 @dataclass(frozen=True, slots=True)
 class Drawing:
     """A picture that is drawn when it is shown: ``draw`` fills a matplotlib figure."""
@@ -82,6 +91,13 @@ class Drawing:
     draw: Callable[[Any], None]
     width_in: float = 11.0
     height_in: float = 4.0
+
+    def picture(self, slug: str) -> Picture:
+        """The picture in the common style."""
+        with styled():
+            figure = new_figure(self.width_in, self.height_in)
+            self.draw(figure)
+            return Picture(slug, self.title, self.caption, to_svg(figure, slug, self.title))
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +109,7 @@ class Entry:
     label: Label
     text: str
     checks: tuple[Check, ...]
-    drawings: tuple[Drawing, ...] = ()
+    drawings: tuple[Illustration, ...] = ()
     errata: tuple[str, ...] = ()
     headline: str = field(default="")
 

@@ -5,23 +5,17 @@ from collections.abc import Sequence
 
 from tracked_lab.gallery.entry import Check, Entry, Label
 from tracked_report.html_report import Cell, Headline, Report, Section, Table, Tone, render_html
-from tracked_report.plots.style import Picture, new_figure, styled, to_svg
 
 _TONE: dict[Label, Tone] = {Label.REPRODUCED: "good", Label.CORRECTED: "plain", Label.DIFFERS: "bad"}
-_TITLE = "Chapters 2 and 3, figure by figure"
-_SUBTITLE = (
-    "Every figure of the thesis on stability, stabilisation and filtering, made anew by robust_core. Each entry is an "
-    "executable check; what is called proven was decided in exact arithmetic."
-)
 
 
-def gallery_page(entries: Sequence[Entry], commit: str) -> str:
-    """The page's HTML."""
+def gallery_page(entries: Sequence[Entry], title: str, subtitle: str, facts: Sequence[tuple[str, str]]) -> str:
+    """The page's HTML; ``facts`` are told under the title."""
     return render_html(
         Report(
-            _TITLE,
-            _SUBTITLE,
-            facts=[("commit", commit), ("errata", "docs/errata.md")],
+            title,
+            subtitle,
+            facts=[*facts, ("errata", "docs/errata.md")],
             headlines=_headlines(entries),
             sections=[_overview(entries), *(_section(entry) for entry in entries)],
         )
@@ -66,7 +60,7 @@ def _section(entry: Entry) -> Section:
     return Section(
         f"{entry.figures}: {entry.title}",
         text,
-        [*_pictures(entry), table],
+        [*(drawn.picture(f"{entry.slug}-{number}") for number, drawn in enumerate(entry.drawings)), table],
         badge=Cell(entry.label.value, _TONE[entry.label]),
         anchor=entry.slug,
     )
@@ -74,15 +68,3 @@ def _section(entry: Entry) -> Section:
 
 def _found(check: Check) -> Cell:
     return Cell(f"{check.shown} {'✓' if check.passed else '✗'}", "good" if check.passed else "bad")
-
-
-def _pictures(entry: Entry) -> list[Picture]:
-    pictures = []
-    for number, drawing in enumerate(entry.drawings):
-        slug = f"{entry.slug}-{number}"
-        with styled():
-            figure = new_figure(drawing.width_in, drawing.height_in)
-            drawing.draw(figure)
-            svg = to_svg(figure, slug, drawing.title)
-        pictures.append(Picture(slug, drawing.title, drawing.caption, svg))
-    return pictures
