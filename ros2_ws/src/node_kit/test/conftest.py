@@ -14,7 +14,7 @@ os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
 
 import numpy as np
 import rclpy
-from geometry_msgs.msg import Twist, TwistStamped
+from geometry_msgs.msg import PoseWithCovarianceStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -36,6 +36,7 @@ from tracked_types import (
     LaserScan,
     Odometry,
     Pose2,
+    PoseSample,
     Slip,
     SolverStatus,
     TrackSample,
@@ -87,6 +88,12 @@ FAMILIES = {
         partial(conversions.tracks_from_message, wheel_radius_m=RADIUS_M),
     ),
     "odometry": (ODOMETRY, OdometryMessage, conversions.odometry_to_message, conversions.odometry_from_message),
+    "pose_sample": (
+        PoseSample(STAMP_NS, "odom", Pose2(1.0, -2.0, 3.0), DIAGONAL),
+        PoseWithCovarianceStamped,
+        conversions.pose_sample_to_message,
+        conversions.pose_sample_from_message,
+    ),
     "slip": (
         Slip(STAMP_NS, 0.01, -0.2, 1e-4, 2e-4, True),
         SlipEstimate,

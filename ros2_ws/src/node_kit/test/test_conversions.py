@@ -24,6 +24,7 @@ FAMILIES = (
     "imu",
     "tracks",
     "odometry",
+    "pose_sample",
     "slip",
     "trajectory",
     "command",

@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from sensor_msgs.msg import Imu, JointState
 from std_srvs.srv import Trigger
@@ -14,21 +15,23 @@ from node_kit import Level, Parameter, ParameterTable, StackNode, qos, run
 from node_kit.conversions import (
     imu_from_message,
     odometry_to_message,
+    pose_sample_from_message,
     slip_to_message,
     tracks_from_message,
 )
 from tracked_description import ROBOT_FILE, load_robot
 from tracked_localization import Estimate, Health, OdometryFilter, OdometryFilterSettings, SlipSettings
-from tracked_types import ImuSample, TrackSample
+from tracked_types import ImuSample, PoseSample, TrackSample
 
+FUSE_POSE = Parameter("fuse_pose", False, "listen to `pose`: measured poses in the odometry's frame, however late")
 PARAMETERS = ParameterTable.from_settings(
-    OdometryFilterSettings, SlipSettings, extra=(qos.RELIABLE_SENSORS, Parameter(*ROBOT_FILE))
+    OdometryFilterSettings, SlipSettings, extra=(qos.RELIABLE_SENSORS, FUSE_POSE, Parameter(*ROBOT_FILE))
 )
 _WATCH_PERIOD_S = 0.1
 
 
 class EkfNode(StackNode):
-    """Subscribes imu/data and joint_states; publishes odom, slip and the transform odom -> base_footprint."""
+    """Subscribes imu/data, joint_states, maybe pose; publishes odom, slip, the transform odom -> base_footprint."""
 
     NAME = "ekf"
     PARAMETERS = PARAMETERS
@@ -50,6 +53,16 @@ class EkfNode(StackNode):
         imu_frame = self.frame(robot.frames.imu)
         self.subscribe_typed(Imu, "imu/data", imu_from_message, self.on_imu, sensor, expected_frame=imu_frame)
         self.subscribe_typed(JointState, "joint_states", to_tracks, self.on_tracks, sensor)
+        if self.value(FUSE_POSE.name):
+            odom_frame = self.frame(settings.odom_frame)
+            self.subscribe_typed(
+                PoseWithCovarianceStamped,
+                "pose",
+                pose_sample_from_message,
+                self.on_pose,
+                sensor,
+                expected_frame=odom_frame,
+            )
         self.serve(Trigger, "reset_odometry", self.on_reset)
         self.every_wall(_WATCH_PERIOD_S, self.on_watch)
 
@@ -60,6 +73,10 @@ class EkfNode(StackNode):
     def on_tracks(self, sample: TrackSample) -> None:
         """One sample in; estimates out."""
         self._publish(self.filter.add_tracks(sample))
+
+    def on_pose(self, sample: PoseSample) -> None:
+        """One measured pose in; the estimates to come know of it."""
+        self._publish(self.filter.add_pose(sample))
 
     def on_reset(self, _request: Any, response: Any) -> Any:
         """Put the odometry back to the origin."""
