@@ -11,7 +11,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
-    install_requires=["setuptools", "numpy", "opencv-python-headless", "pydantic>=2", "PyYAML", "scipy"],
+    install_requires=["setuptools", "casadi", "numpy", "opencv-python-headless", "pydantic>=2", "PyYAML", "scipy"],
     zip_safe=False,
     maintainer="Tracked Stack maintainers",
     maintainer_email="maintainers@tracked-stack.invalid",
