@@ -7,9 +7,10 @@ import pytest
 
 from tracked_report.drive_report import drive_report
 from tracked_report.html_report import Cell, Headline, Report, Section, Table, render_html
-from tracked_report.metrics import compare_runs
+from tracked_report.metrics import NotRecordedError, compare_runs
 from tracked_report.plots.crossings import crossings
 from tracked_report.plots.style import Picture
+from tracked_report.plots.tracking_plots import transient
 from tracked_report.publish import publish_runs
 from tracked_report.render import main as render
 from tracked_report.run_record import RunMeta, RunRecord
@@ -125,6 +126,18 @@ def test_crossings_are_the_stretches_over_the_step():
     kinds = {kind: (start, end) for start, end, kind in crossings(synthetic_record())}
     assert kinds["step"] == pytest.approx((2.0 / 0.3, 2.6 / 0.3), abs=0.5)
     assert "wall" not in kinds
+
+
+def test_a_sudden_change_of_the_pose_is_a_crossing_and_what_the_transient_shows():
+    record = synthetic_record(SyntheticSettings(duration_s=5.0))
+    pushed = dataclasses.replace(record, meta=record.meta.model_copy(update={"disturbed_s": (2.0, 2.6)}))
+    start_s = record.channel("reference").stamps_ns[0] * 1e-9
+    assert ("forced", 2.0 - start_s, 2.6 - start_s) in [
+        (kind, pytest.approx(start), pytest.approx(end)) for start, end, kind in crossings(pushed)
+    ]
+    with pytest.raises(NotRecordedError, match="no step was crossed"):
+        transient({"run": record}, "transient")
+    assert "turned by force" in transient({"run": pushed}, "transient")
 
 
 @pytest.fixture(scope="module")

@@ -30,8 +30,9 @@ _TRACKING: tuple[tuple[str, str, str, Draw], ...] = (
     ),
     (
         "transient",
-        "Over the step",
-        "As Fig 5.22 (b): the estimates of all runs while the step pushes the robot off its way, and just after.",
+        "Pushed off the way",
+        "As Fig 5.22 (b): the estimates of all runs while the step, or force, pushes the robot off its way, and just "
+        "after.",
         tracking_plots.transient,
     ),
     (
@@ -99,7 +100,7 @@ def drive_report(runs: Runs, sheet: MetricSheet, baseline: str) -> Report:
             "Peak to peak (5.3.1) and root mean square (5.3.2) of the tracking error, as in Table 5.1, from the first "
             "reference point until one second after the reference has come to rest. "
             + coverage_warning(sheet.values, variants),
-            [*tables, *(draw(runs, job) for job in _TRACKING if job[0] != "transient" or _steps(runs))],
+            [*tables, *(draw(runs, job) for job in _TRACKING if job[0] != "transient" or _pushed(runs))],
         ),
         Section("Commands, slip and ride", items=[draw(runs, job) for job in _SIGNALS]),
         Section("Timing", items=[draw(runs, job) for job in _TIMING]),
@@ -129,8 +130,9 @@ def draw(runs: Runs, job: tuple[str, str, str, Draw]) -> Picture:
         return Picture(slug, title, caption, missing=str(error))
 
 
-def _steps(runs: Runs) -> bool:
-    return any(outline.kind == "step" for record in runs.values() for outline in record.meta.scene)
+def _pushed(runs: Runs) -> bool:
+    metas = [record.meta for record in runs.values()]
+    return any(meta.disturbed_s or any(outline.kind == "step" for outline in meta.scene) for meta in metas)
 
 
 def _variants_text(runs: Runs) -> str:

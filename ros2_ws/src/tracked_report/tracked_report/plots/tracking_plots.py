@@ -8,7 +8,7 @@ from matplotlib.patches import Polygon
 from tracked_report.metrics.settings import MetricSettings
 from tracked_report.metrics.sheet import NotRecordedError
 from tracked_report.metrics.tracking import FRAMES, Tracking, poses_in_world, tracking
-from tracked_report.plots.crossings import GROUND_COLOURS, crossings, shade_crossings
+from tracked_report.plots.crossings import FORCED, GROUND_COLOURS, crossings, shade_crossings
 from tracked_report.plots.style import (
     INK,
     REFERENCE,
@@ -76,11 +76,20 @@ def states(runs: Runs, slug: str) -> str:
 
 
 def transient(runs: Runs, slug: str) -> str:
-    """y and heading over the first step crossed, a second before until two after: all estimates, one reference."""
+    """y and heading around what pushed the robot: all estimates, one reference.
+
+    The sudden change of the pose by force, 0.4 s before until 0.6 s after as Fig 5.22 (b); in runs without one the
+    first step crossed, a second before until two after.
+    """
     first = next(iter(runs.values()))
-    window = next(((start - 1.0, end + 2.0) for start, end, kind in crossings(first) if kind == "step"), None)
-    if window is None:
-        raise NotRecordedError("no step was crossed")
+    stretches = {kind: (start, end) for start, end, kind in reversed(crossings(first))}
+    if FORCED in stretches:
+        (start, end), before, after = stretches[FORCED], 0.4, 0.6
+    elif "step" in stretches:
+        (start, end), before, after = stretches["step"], 1.0, 2.0
+    else:
+        raise NotRecordedError("no step was crossed, and nothing turned the robot by force")
+    window = (start - before, end + after)
     figure = new_figure(10.0, 2.9)
     axes = figure.subplots(1, 2)
     for index, (name, record) in enumerate(runs.items()):
@@ -99,7 +108,7 @@ def transient(runs: Runs, slug: str) -> str:
         ax.set(xlabel="time (s)", ylabel=_STATE_LABELS[row], xlim=window)
     shade_crossings(axes, first)
     legend_above(figure, axes)
-    return to_svg(figure, slug, "y and heading against time over the step")
+    return to_svg(figure, slug, "y and heading against time around a push")
 
 
 def errors(runs: Runs, slug: str) -> str:
