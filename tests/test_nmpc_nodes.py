@@ -170,6 +170,7 @@ def test_a_plan_of_another_robot_is_refused(probe, start_node):
     [
         (UPPER, "method", "printed"),
         (UPPER, "weights_file", "/no/such/weights.yaml"),
+        (UPPER, "rate_hz", "10"),  # for which there is no certified terminal weight
         (LOWER, "plan_timeout_s", "0.1"),
     ],
 )

@@ -100,7 +100,7 @@ def load_certified_terminal(
     except ArgumentError as error:
         raise CheckedFileError(f"{path}: references without a terminal weight: {error}; {REMEDY}") from error
     except CertificateError as error:
-        raise CheckedFileError(f"{error}; this layer steps {period_s:g} s; {REMEDY}") from error
+        raise CheckedFileError(f"{error}; this layer steps {period_s:g} s (1 / rate_hz); {REMEDY}") from error
     return CertifiedTerminal(TerminalWeight.of(found.P), found.level, source.speed_mps, source.yaw_rate_radps)
 
 
