@@ -1,6 +1,7 @@
 """Terminal weights out of files: what is accepted, and what is refused in which words."""
 
 import json
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -101,5 +102,7 @@ def test_loading_imports_no_solver(path: Path) -> None:
         "from robust_core.design_files import load_design; load_design(sys.argv[1]); "
         "print([m for m in ('clarabel', 'scipy', 'casadi', 'cvxpy') if m in sys.modules])"
     )
-    done = subprocess.run([sys.executable, "-c", script, str(path)], capture_output=True, text=True, check=True)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-c", script, str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
     assert done.stdout.strip() == "[]"
