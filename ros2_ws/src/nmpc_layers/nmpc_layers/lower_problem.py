@@ -94,7 +94,7 @@ class ImprovedProblem:
     def _ground(self, odometry: Odometry, slip: Slip | None) -> tuple[GroundModel, Twist2]:
         """What the ground makes of belt motion, and the belts' twist now.
 
-        Odometry tells the belts' speed and the ground's yaw rate.
+        Odometry tells the ground's yaw rate, and the belts' speed unless measured poses show that of the ground.
         """
         settings, twist = self._settings, odometry.twist
         if slip is None:
@@ -104,13 +104,14 @@ class ImprovedProblem:
             ground = GroundModel(yaw_efficiency=efficiency, lag_s=settings.motor_lag_s)
             return ground, Twist2(twist.speed_mps, twist.yaw_rate_radps / efficiency)
         belt_yaw_rate = twist.yaw_rate_radps - slip.yaw_rate_radps
+        belt_speed = twist.speed_mps - (slip.speed_mps if slip.speed_measured else 0.0)
         ground = GroundModel(
-            speed_slip_mps=slip.speed_mps if settings.speed_slip else 0.0,
+            speed_slip_mps=slip.speed_mps if settings.speed_slip or slip.speed_measured else 0.0,
             yaw_slip_radps=slip.yaw_rate_radps + (1.0 - efficiency) * belt_yaw_rate,
             yaw_efficiency=efficiency,
             lag_s=settings.motor_lag_s,
         )
-        return ground, Twist2(twist.speed_mps, belt_yaw_rate)
+        return ground, Twist2(belt_speed, belt_yaw_rate)
 
 
 def make_problem(settings: LowerSettings) -> PrintedProblem | ImprovedProblem:

@@ -54,7 +54,8 @@ class LowerSettings:
     slip_compensation: bool = setting(True, "compensate the measured slip")
     speed_slip: bool = setting(
         False,
-        "improved: compensate the forward part of the slip too; of use only where the odometry's pose accounts for it",
+        "improved: compensate the forward part of the slip even where it is the assumption (5.2.8), which odometry "
+        "does not share; what is measured is always compensated",
     )
     hold_s: float = setting(0.1, "how long the last good command is held before braking", unit="s", low=0.0, high=1.0)
     weights_file: str = setting("", "YAML file of weights; empty: the packaged one")

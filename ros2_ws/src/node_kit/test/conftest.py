@@ -95,7 +95,7 @@ FAMILIES = {
         conversions.pose_sample_from_message,
     ),
     "slip": (
-        Slip(STAMP_NS, 0.01, -0.2, 1e-4, 2e-4, True),
+        Slip(STAMP_NS, 0.01, -0.2, 1e-4, 2e-4, True, True),
         SlipEstimate,
         partial(conversions.slip_to_message, frame_id="base_footprint"),
         conversions.slip_from_message,

@@ -1,5 +1,7 @@
 """Plant, links and stack in one loop, and the record of what went through it."""
 
+from dataclasses import replace
+
 from sim_bridge.command_intake import CommandRefused
 from tracked_lab.conditions import Conditions
 from tracked_lab.lidar_pose import LidarPose
@@ -74,6 +76,8 @@ class ClosedLoop:
 
     def _react(self, estimate: Estimate) -> None:
         slip = self._true_slip.get(estimate.odometry.stamp_ns) if self._oracle else None
+        if slip is not None:
+            slip = replace(slip, speed_measured=estimate.slip.speed_measured)
         reaction = self._stack.react(estimate, slip)
         self._reactions.append(reaction)
         self._record(reaction)

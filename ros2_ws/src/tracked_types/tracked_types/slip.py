@@ -9,7 +9,8 @@ class Slip:
 
     Ground speed = belt speed + ``speed_mps``; ground yaw rate = belt yaw rate + ``yaw_rate_radps``
     (delta v and delta omega of (5.2.8)-(5.2.11) in ratio-free form). ``known`` is False at standstill,
-    where the tracks bear no witness; the numbers are then zero.
+    where the tracks bear no witness; the numbers are then zero. ``speed_measured``: measured poses show the
+    forward part, and odometry accounts for it; otherwise it is the assumption (5.2.8), which odometry does not share.
     """
 
     stamp_ns: int
@@ -18,3 +19,4 @@ class Slip:
     speed_variance: float
     yaw_rate_variance: float
     known: bool
+    speed_measured: bool = False

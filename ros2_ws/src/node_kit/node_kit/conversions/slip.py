@@ -22,6 +22,7 @@ def slip_from_message(message: SlipEstimate) -> Slip:
         require_not_negative("speed_variance", message.speed_variance),
         require_not_negative("yaw_rate_variance", message.yaw_rate_variance),
         bool(message.known),
+        bool(message.speed_measured),
     )
 
 
@@ -34,4 +35,5 @@ def slip_to_message(slip: Slip, into: SlipEstimate | None = None, *, frame_id: s
     message.speed_variance = float(slip.speed_variance)
     message.yaw_rate_variance = float(slip.yaw_rate_variance)
     message.known = bool(slip.known)
+    message.speed_measured = bool(slip.speed_measured)
     return message
