@@ -19,10 +19,12 @@ _NEAR_M = 0.3  # what is farther away does not matter to the check
 @dataclass(frozen=True, slots=True)
 class Finding:
     """reason: why not, in words; empty if the trajectory may be driven. clearance_m: least room along it, inf beyond
-    0.3 m. contact_s: when the footprint first may touch something, inf if never."""
+    0.3 m. begins_s: until when it may be followed, inf if to its end. contact_s: when the footprint first may touch
+    something, inf if never."""
 
     reason: str
     clearance_m: float
+    begins_s: float
     contact_s: float
 
 
@@ -51,18 +53,20 @@ class BandCheck:
         contact_s = float(times[touching[0]]) if len(touching) else np.inf
         clearance = float(gaps.min())
         if beyond:
-            return Finding(beyond, clearance, contact_s)
+            return Finding(beyond, clearance, 0.0, contact_s)
         if gaps[0] <= 0.0:
-            return Finding("an obstacle touches the robot", clearance, 0.0)
+            return Finding("an obstacle touches the robot", clearance, 0.0, 0.0)
         needed = min(self.least_clearance_m, _START_SHARE * float(gaps[0]))
         close = np.flatnonzero(room < needed)
-        if len(close):
-            at = int(close[0])
-            reason = f"{max(float(gaps[at]), 0.0):.2f} m from an obstacle after {times[at]:.1f} s"
-            return Finding(reason, clearance, contact_s)
-        if len(touching):
-            return Finding(f"in the way of a mover after {contact_s:.1f} s", clearance, contact_s)
-        return Finding("", clearance, np.inf)
+        close_s = float(times[close[0]]) if len(close) else np.inf
+        begins_s = min(close_s, contact_s)
+        if np.isinf(begins_s):
+            return Finding("", clearance, np.inf, np.inf)
+        if close_s <= contact_s:
+            reason = f"{max(float(gaps[close[0]]), 0.0):.2f} m from an obstacle after {close_s:.1f} s"
+        else:
+            reason = f"in the way of a mover after {contact_s:.1f} s"
+        return Finding(reason, clearance, begins_s, contact_s)
 
     def _beyond_limits(self, times: Array, inputs: Array) -> str:
         """Which limit is exceeded, in words; a start beyond one may last as long as braking takes."""

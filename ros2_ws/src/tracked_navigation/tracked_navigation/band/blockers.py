@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracked_description import Footprint
-from tracked_navigation.band.route import Route
+from tracked_navigation.band.route import Route, left_of
 from tracked_navigation.band.surroundings import Surroundings
 
 Array = NDArray[np.float64]
@@ -38,13 +38,11 @@ class Frenet:
     @classmethod
     def of(cls, points: Array, route: Route) -> "Frenet":
         """Points (n, 2) by their nearest points of the route."""
-        offset = points[:, None, :] - route.points
-        nearest = (offset * offset).sum(axis=2).argmin(axis=1)
-        tangents = np.gradient(route.points, axis=0)
-        tangents /= np.maximum(np.hypot(tangents[:, 0], tangents[:, 1]), 1e-9)[:, None]
-        away, along = points - route.points[nearest], tangents[nearest]
-        left = along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0]
-        return cls(route.arcs[nearest] + (away * along).sum(axis=1), left)
+        right, up = points[:, 0:1] - route.points[:, 0], points[:, 1:2] - route.points[:, 1]
+        nearest = (right * right + up * up).argmin(axis=1)
+        away, left = points - route.points[nearest], left_of(route.points)[nearest]
+        ahead = left[:, 1] * away[:, 0] - left[:, 0] * away[:, 1]
+        return cls(route.arcs[nearest] + ahead, (away * left).sum(axis=1))
 
 
 def detours_around_obstacles(

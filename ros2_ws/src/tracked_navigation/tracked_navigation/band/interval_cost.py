@@ -49,16 +49,31 @@ def interval_function() -> Any:
 
 
 def band_function(intervals: int) -> Any:
-    """`interval_function` over all intervals: nodes (6, n + 1), slots (., n), parameters; blocks side by side."""
+    """Drives along the speeds of nodes (6, n + 1), then `interval_function` over all intervals of what was driven.
+
+    Of nodes, slots (., n) and parameters; to the driven nodes, and costs, gradients and blocks side by side.
+    """
     nodes = casadi.MX.sym("nodes", NODE, intervals + 1)
     slots = casadi.MX.sym("slots", SLOT_COUNT, intervals)
     parameters = casadi.MX.sym("parameters", len(PARAMETERS))
+    drive = _drive_function().mapaccum("band_drive", intervals)
+    poses = drive(nodes[:3, 0], nodes[3:, :-1], nodes[3:, 1:])
+    driven = casadi.vertcat(casadi.horzcat(nodes[:3, 0], poses), nodes[3:, :])
     mapped = interval_function().map("band_intervals", "serial", intervals, [3], [])
-    outputs = mapped(nodes[:, :-1], nodes[:, 1:], slots, parameters)
-    names = ["cost", "gradient_first", "gradient_last", "model_first", "model_across", "model_last"]
+    outputs = mapped(driven[:, :-1], driven[:, 1:], slots, parameters)
+    names = ["driven", "cost", "gradient_first", "gradient_last", "model_first", "model_across", "model_last"]
     return casadi.Function(
-        "elastic_band", [nodes, slots, parameters], list(outputs), ["nodes", "slots", "parameters"], names
+        "elastic_band", [nodes, slots, parameters], [driven, *outputs], ["nodes", "slots", "parameters"], names
     )
+
+
+def _drive_function() -> Any:
+    """Pose (3,) and speed, yaw rate and time (3,) of a node and of the next to the next pose."""
+    pose, first, last = casadi.SX.sym("pose", 3), casadi.SX.sym("first", 3), casadi.SX.sym("last", 3)
+    way, turn = way_and_turn(first, last)
+    heading = pose[2] + 0.5 * turn
+    reached = pose + casadi.vertcat(way * casadi.cos(heading), way * casadi.sin(heading), turn)
+    return casadi.Function("band_drive_step", [pose, first, last], [reached])
 
 
 def residuals_of(first: Expression, last: Expression, slots: Expression, parameters: Expression) -> list[Expression]:
@@ -67,10 +82,7 @@ def residuals_of(first: Expression, last: Expression, slots: Expression, paramet
     step = last[5] - first[5]
     speed, yaw_rate = last[3], last[4]
     motion = [
-        *(
-            defect / sigma
-            for defect, sigma in zip(defects_of(first, last), (DEFECT_M, DEFECT_M, DEFECT_RAD), strict=True)
-        ),
+        *defects_of(first, last),
         *_outside(speed, p["speed_min"], p["speed_max"], SPEED_MPS),
         *_outside(yaw_rate, -p["yaw_rate_max"], p["yaw_rate_max"], YAW_RATE_RADPS),
         *_outside(speed + p["half_gauge"] * yaw_rate, -p["track_speed"], p["track_speed"], TRACK_MPS),
@@ -101,18 +113,23 @@ def residuals_of(first: Expression, last: Expression, slots: Expression, paramet
     return motion + points + movers
 
 
-def defects_of(first: Expression, last: Expression) -> tuple[Expression, Expression, Expression]:
-    """By how much the next pose differs from where the speeds lead: x, y (m) and yaw (rad)."""
-    step = last[5] - first[5]
-    turn = 0.5 * step * (first[4] + last[4])
+def way_and_turn(first: Expression, last: Expression) -> tuple[Expression, Expression]:
+    """Chord (m) and rotation (rad) between two nodes, of which (speed, yaw rate, time) are given."""
+    step = last[2] - first[2]
+    turn = 0.5 * step * (first[1] + last[1])
     # The chord of an arc is shorter than the arc, to the second order by this much.
-    way = 0.5 * step * (first[3] + last[3]) * (1.0 - turn**2 / 24.0)
+    return 0.5 * step * (first[0] + last[0]) * (1.0 - turn**2 / 24.0), turn
+
+
+def defects_of(first: Expression, last: Expression) -> list[Expression]:
+    """By how much the next pose differs from where the speeds lead, x, y and yaw, in sigmas."""
+    way, turn = way_and_turn(first[3:], last[3:])
     heading = 0.5 * (first[2] + last[2])
-    return (
-        last[0] - first[0] - way * casadi.cos(heading),
-        last[1] - first[1] - way * casadi.sin(heading),
-        last[2] - first[2] - turn,
-    )
+    return [
+        (last[0] - first[0] - way * casadi.cos(heading)) / DEFECT_M,
+        (last[1] - first[1] - way * casadi.sin(heading)) / DEFECT_M,
+        (last[2] - first[2] - turn) / DEFECT_RAD,
+    ]
 
 
 def gap_to(node: Expression, x: Expression, y: Expression, p: dict[str, Expression]) -> Expression:

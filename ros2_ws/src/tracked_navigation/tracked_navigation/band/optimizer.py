@@ -1,4 +1,8 @@
-"""Levenberg-Marquardt on the sparse band."""
+"""Levenberg-Marquardt on the sparse band.
+
+A step is taken in all nodes alike, poses and speeds; then the poses are set to what the speeds lead to. So every band
+can be driven, and the curvature of its equations of motion does not hold up the descent.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,7 +22,8 @@ Association = Callable[[Array], Array]
 INTERVALS = 24
 _PLANNED_SHARE = 0.97  # of each limit, so that what is soft here stays within what is checked
 _BANDWIDTH = 2 * NODE - 1
-_LEAST_DAMPING, _MOST_DAMPING = 1e-7, 1e5
+_FIRST_DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-7, 1e5
+_CONVERGED_GAIN = 2e-3
 _STEP_LIMIT = np.array([0.3, 0.3, 0.5, 0.5, 2.0, 1.0])  # of one iteration, so that no band turns inside out
 
 
@@ -65,7 +70,7 @@ class BandOptimizer:
         self._nodes, self._slots = inputs["nodes"], inputs["slots"]
         self._slots[:] = _EMPTY_SLOTS
         self._parameters = inputs["parameters"]
-        self._cost = outputs["cost"].reshape(-1)
+        self._cost, self._driven = outputs["cost"].reshape(-1), outputs["driven"]
         self._gradients = outputs["gradient_first"], outputs["gradient_last"]
         shape = (INTERVALS, NODE, NODE)
         # CasADi stores by columns: [interval, column, row].
@@ -99,40 +104,44 @@ class BandOptimizer:
         associate: which obstacles each node but the first has to heed, (n, slots); asked again as the band moves.
         """
         intervals = len(nodes) - 1
-        best = nodes.copy()
-        end = BandEnd(_turned_near(end.target, best[-1, 2]), end.weight)
-        self._slots[:intervals] = associate(best[1:])
-        cost = self._evaluate(best, end)
+        end = BandEnd(_turned_near(end.target, nodes[-1, 2]), end.weight)
+        self._slots[:intervals] = associate(nodes[1:])
+        cost, best = self._evaluate(nodes, end)
         model, gradient = self._normal_equations(intervals, end, best)
-        damping, done, converged = 1e-3, 0, False
-        while done < iterations and damping < _MOST_DAMPING:
+        damping, growth, done, converged = _FIRST_DAMPING, 4.0, 0, False
+        while done < iterations and damping < _MOST_DAMPING and not converged:
             done += 1
             step = _solved(model, gradient, damping)
-            trial = best.copy()
+            trial_cost = np.inf
             if step is not None:
+                trial = best.copy()
                 trial[1:] += _shortened(step.reshape(intervals, NODE))
-                trial_cost = self._evaluate(trial, end)
-            if step is None or not trial_cost < cost:
-                damping = max(damping * 8.0, 1e-4)
-                continue
+                trial_cost, trial = self._evaluate(trial, end)
             gained = (cost - trial_cost) / cost
-            best, cost, damping = trial, trial_cost, max(damping * 0.15, _LEAST_DAMPING)
-            converged = gained < 2e-3
-            if converged:
-                break
+            converged = abs(gained) < _CONVERGED_GAIN
+            if step is None or gained <= 0.0:
+                damping, growth = damping * growth, 2.0 * growth
+                continue
+            # The closer to what the model promised, the farther it is trusted.
+            kept = gained * cost / -float(gradient @ step)
+            damping, growth = max(damping * max(0.2, 1.0 - (2.0 * kept - 1.0) ** 3), _LEAST_DAMPING), 4.0
+            best, cost = trial, trial_cost
             if done % 2 == 0:
                 self._slots[:intervals] = associate(best[1:])
-                cost = self._evaluate(best, end)
-            model, gradient = self._normal_equations(intervals, end, best)
+                cost, _ = self._evaluate(best, end)
+            if not converged:
+                model, gradient = self._normal_equations(intervals, end, best)
         return Optimised(best, cost, done, converged)
 
-    def _evaluate(self, nodes: Array, end: BandEnd) -> float:
+    def _evaluate(self, nodes: Array, end: BandEnd) -> tuple[float, Array]:
+        """Cost and nodes of the band with poses that follow from its speeds; the model is that of these nodes."""
         intervals = len(nodes) - 1
         self._nodes[: intervals + 1] = nodes
         self._nodes[intervals + 1 :] = nodes[-1]
         self._function.call()
-        miss = end.weight * (nodes[-1] - end.target)
-        return float(self._cost[:intervals].sum() + miss @ miss)
+        driven = self._driven[: intervals + 1].copy()
+        miss = end.weight * (driven[-1] - end.target)
+        return float(self._cost[:intervals].sum() + miss @ miss), driven
 
     def _normal_equations(self, intervals: int, end: BandEnd, nodes: Array) -> tuple[Array, Array]:
         """Lower band storage (12, 6 n) of J'J, and J'r (6 n,), of the nodes but the first, as last evaluated."""

@@ -69,6 +69,15 @@ def arc_lengths(points: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
+def left_of(points: Array) -> Array:
+    """Unit vectors (n, 2) to the left of the way along points (n, 2)."""
+    along = np.empty_like(points)
+    along[1:-1] = points[2:] - points[:-2]
+    along[0], along[-1] = points[1] - points[0], points[-1] - points[-2]
+    along /= np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-9)[:, None]
+    return np.column_stack([-along[:, 1], along[:, 0]])
+
+
 def _joined(path: Array, arcs: Array, here: Array, begin: float, arc: float) -> Array:
     """Points of the way from the robot to the path and along it up to ``arc``."""
     first = min(begin + JOIN_M, arc)

@@ -12,6 +12,7 @@ from tracked_types import Mover, seconds_between
 Array = NDArray[np.float64]
 THINNED_M = 0.03  # points within one cell of this size are one to the optimiser, never to the check
 SEGMENT_STEP_M = 0.05  # between points on a segment, for the optimiser
+AROUND_M = 1.0  # beside a band, points may matter to the optimiser
 _FAR = 1e9
 
 
@@ -55,10 +56,10 @@ class Surroundings:
         along = [_points_on(segment) for segment in segments]
         return cls(points, segments, _thinned(np.concatenate([points, *along])), rows)
 
-    def near(self, centre: Array, radius_m: float) -> "Surroundings":
-        """Without the optimiser's points farther than ``radius_m`` from ``centre`` (2,)."""
-        offset = self.thinned - centre
-        near = np.einsum("ij,ij->i", offset, offset) < radius_m**2
+    def around(self, nodes: Array) -> "Surroundings":
+        """With the optimiser's points about the nodes (n, .) of a band only."""
+        low, high = nodes[:, :2].min(axis=0) - AROUND_M, nodes[:, :2].max(axis=0) + AROUND_M
+        near = ((self.thinned >= low) & (self.thinned <= high)).all(axis=1)
         return Surroundings(self.points, self.segments, self.thinned[near], self.movers)
 
     def associate(self, nodes: Array, footprint: Footprint) -> Array:

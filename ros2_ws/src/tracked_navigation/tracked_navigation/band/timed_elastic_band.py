@@ -4,11 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracked_navigation.band.band_check import BandCheck
-from tracked_navigation.band.band_contest import BandContest, Outcome
+from tracked_navigation.band.band_contest import BandContest, Outcome, Task
 from tracked_navigation.band.band_memory import BandMemory
 from tracked_navigation.band.band_result import ARRIVED, NONE, STOP, BandResult, Candidate
 from tracked_navigation.band.braking import safest_stop
-from tracked_navigation.band.initial_bands import guesses
 from tracked_navigation.band.optimizer import BandOptimizer
 from tracked_navigation.band.rollout import as_trajectory
 from tracked_navigation.band.route import Route, route_along
@@ -85,10 +84,8 @@ class TimedElasticBand:
             return self._stop(start, twist, surroundings, stamp_ns, "no place ahead on the path is free")
         if route.rests and self._is_at(route.end, start, twist):
             return self._stop(start, twist, surroundings, stamp_ns, route.reason)
-        surroundings = surroundings.near(start.as_array()[:2], 1.5 * settings.lookahead_m + 2.0)
         followed = self._memory.carried_on(start, twist, route, stamp_ns)
-        others = guesses(route, start, twist, surroundings, settings)
-        outcome = self._contest.decide(followed, others, route, surroundings)
+        outcome = self._contest.decide(Task(start, twist, route, surroundings), followed)
         if outcome.chosen is None:
             return self._stop(start, twist, surroundings, stamp_ns, outcome.reason, outcome.candidates)
         self._memory.keep(outcome.chosen.nodes, stamp_ns)
