@@ -113,7 +113,7 @@ def test_sensors_of_a_recorded_drive_give_a_fresh_filter_the_odometry_of_the_dri
     play, start_node, probe, ros_domain, tmp_path
 ):
     topics = "mcap_recorder.topics:=[clock, imu/data, joint_states, odom, tf_static]"
-    changes = ("time:=lock_step", "duration_s:=2.5", "nodes.mcap_recorder:=true", "nodes.recorder:=false", topics)
+    changes = ("time:=lock_step", "duration_s:=3.5", "nodes.mcap_recorder:=true", "nodes.recorder:=false", topics)
     graph = GraphProcess(ros_domain, tmp_path, "track", *changes)
     try:
         assert graph.wait(RUN_LIMIT_S) == 0, graph.output
@@ -141,7 +141,7 @@ def replayed_odometry(play, start_node, probe, recorded):
     estimator = start_node("tracked_localization", "ekf", "--ros-args", *words)
     probe.wait_until(reader.get_publisher_count, timeout_s=START_LIMIT_S, what="the filter")
     sensors = ("topics:=[clock, imu/data, joint_states]", "wait_for_readers:=[imu/data, joint_states]")
-    process = play(recorded, *sensors, "rate:=0.25")
+    process = play(recorded, *sensors, "rate:=0.5")
     probe.wait_until(lambda: not process.is_running, timeout_s=RUN_LIMIT_S, what="the end of the replay")
     assert process.wait() == 0, process.output
     probe.spin(0.3)

@@ -146,6 +146,14 @@ def test_qualities_hashes_and_definitions_are_kept_for_other_tools(tmp_path):
         assert "MSG: std_msgs/Header" in connection.msgdef.data
 
 
+def test_a_definition_that_nobody_understands_is_no_obstacle(tmp_path):
+    writer = BagWriter(tmp_path / "bag")
+    writer.add_topic(HELLO, "odd_msgs/msg/Odd", "this is {no} definition", "", [])
+    writer.write(HELLO, 0, b"x")
+    writer.close()
+    assert contents(tmp_path / "bag") == [b"x"]
+
+
 def test_definition_of_a_type_holds_every_type_in_it_once():
     text = message_definition("nav_msgs/msg/Odometry")
     inside = [line.removeprefix("MSG: ") for line in text.splitlines() if line.startswith("MSG: ")]

@@ -9,7 +9,7 @@ from typing import cast
 from rosbags.interfaces import Connection, Qos
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_mcap import McapWriter
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 
 from tracked_bringup.bags.bag_error import BagError, one_line
 from tracked_types import to_nanoseconds
@@ -145,5 +145,8 @@ class BagWriter:
 
 def _hash(type_name: str, definition: str) -> str:
     store = get_typestore(Stores.EMPTY)
-    store.register(get_types_from_msg(definition, type_name))
-    return store.hash_rihs01(type_name)
+    try:
+        store.register(get_types_from_msg(definition, type_name))
+        return store.hash_rihs01(type_name)
+    except (TypesysError, KeyError):
+        return UNKNOWN_HASH
