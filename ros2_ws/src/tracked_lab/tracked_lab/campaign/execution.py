@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+import dask
 from distributed import Client, LocalCluster, wait
 from distributed.scheduler import KilledWorker
 
@@ -18,6 +19,9 @@ from tracked_lab.campaign.run_store import RunStore, StoredRun
 _IN_FLIGHT = 4  # runs per worker that are handed out ahead
 _STUCK_GRACE_S = 15.0
 _SAVE_EVERY_S = 1.0
+_CONNECT_S = 10.0
+# A worker that dies is one run's doing: no other is with it, and that run is not tried more than twice.
+_LOCAL = {"distributed.scheduler.worker-saturation": 1.0, "distributed.scheduler.allowed-failures": 1}
 Told = Callable[[StoredRun], None]
 Running = dict[Any, RunInputs]
 """Futures of the runs that have been handed out."""
@@ -57,13 +61,14 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Client]:
     """
     if scheduler is not None:
         try:
-            client = Client(scheduler, timeout=10)
+            client = Client(scheduler, timeout=_CONNECT_S)
         except (OSError, ValueError, TypeError) as error:
             raise SchedulerError(f"the scheduler {scheduler} cannot be reached ({type(error).__name__})") from error
         with client:
             yield client
         return
     with (
+        dask.config.set(_LOCAL),
         tempfile.TemporaryDirectory(prefix="campaign-") as folder,
         LocalCluster(
             n_workers=workers,
@@ -91,9 +96,7 @@ def execute(plan: Plan, store: RunStore, client: Client, told: Told, measure: Me
     def hand_out() -> None:
         room = _IN_FLIGHT * max(len(client.scheduler_info(n_workers=-1)["workers"]), 1) - len(under_way)
         for _, planned in zip(range(room), waiting, strict=False):
-            future = client.submit(
-                perform, planned.model_dump_json(), plan.campaign, plan.limit_s, measure, pure=False, retries=2
-            )
+            future = client.submit(perform, planned.model_dump_json(), plan.campaign, plan.limit_s, measure, pure=False)
             under_way[future] = planned
 
     hand_out()

@@ -1,0 +1,125 @@
+"""What a campaign says: figures of every cell and way, and how much lower than the baseline's they are."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracked_lab.campaign.run_store import StoredRun
+from tracked_lab.campaign.spec import CampaignSpec
+from tracked_lab.statistics import Interval, median_interval, reduction_percent
+
+Array = NDArray[np.float64]
+Cell = tuple[tuple[str, str], ...]
+"""Axis and label, in the order of the spec."""
+
+TRACKING = ("rms_x_m", "rms_y_m", "rms_theta_rad", "ptop_x_m", "ptop_y_m", "ptop_theta_rad")
+FRAMES = ("true", "estimated")
+
+
+@dataclass(frozen=True, slots=True)
+class CellResults:
+    """One cell: figures by way and metric, over the seeds (NaN where a run has none)."""
+
+    cell: Cell
+    seeds: tuple[int, ...]
+    values: Mapping[str, Mapping[str, Array]]
+
+    @property
+    def label(self) -> str:
+        """The labels, as part of a key."""
+        return ".".join(label for _, label in self.cell) or "all"
+
+    def median(self, way: str, metric: str) -> Interval | None:
+        """Median of one figure; None without any."""
+        values = self.values[way].get(metric)
+        return None if values is None or not np.isfinite(values).any() else median_interval(values)
+
+    def reduction(self, way: str, metric: str, baseline: str) -> Interval | None:
+        """How much lower than the baseline's (%); None without pairs."""
+        own, other = self.values[way].get(metric), self.values[baseline].get(metric)
+        if own is None or other is None or not np.isfinite(own + other).any():
+            return None
+        return reduction_percent(other, own)
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignResults:
+    """All cells, and the runs that have no figures."""
+
+    spec: CampaignSpec
+    cells: tuple[CellResults, ...]
+    failed: tuple[StoredRun, ...]
+    done: int
+    planned: int
+
+    @property
+    def main(self) -> CellResults:
+        """The cell that matters most: the one that the spec names, else the first."""
+        for results in self.cells:
+            if self.spec.main and dict(results.cell) == self.spec.main:
+                return results
+        return self.cells[0]
+
+    def figures(self) -> dict[str, float]:
+        """Flat figures: ``<cell>.<way>.<metric>``, medians, reductions with their intervals, and counts."""
+        found: dict[str, float] = {"runs": self.done, "planned": self.planned, "failed": len(self.failed)}
+        baseline = self.spec.baseline_name
+        for results in self.cells:
+            for way in self.spec.ways:
+                for metric in results.values[way]:
+                    middle = results.median(way, metric)
+                    if middle is not None:
+                        found[f"{results.label}.{way}.{metric}"] = middle.median
+                if way != baseline:
+                    found |= self._reductions(results, way, baseline)
+        return found
+
+    def _reductions(self, results: CellResults, way: str, baseline: str) -> dict[str, float]:
+        found = {}
+        for frame in FRAMES:
+            for name in TRACKING:
+                lower = results.reduction(way, f"{frame}.{name}", baseline)
+                if lower is not None:
+                    key = f"{results.label}.{way}.{frame}.{name.rpartition('_')[0]}_lower"
+                    found[f"{key}_percent"] = lower.median
+                    found[f"{key}_least_percent"] = lower.low
+                    found[f"{key}_most_percent"] = lower.high
+        return found
+
+
+def gather(spec: CampaignSpec, stored: Mapping[str, StoredRun]) -> CampaignResults:
+    """Results of the runs of the spec that the store has.
+
+    Raises
+    ------
+    ValueError: if it has none.
+    """
+    planned = spec.runs()
+    runs = [(inputs, stored[inputs.key]) for inputs in planned if inputs.key in stored]
+    if not any(run.ok for _, run in runs):
+        raise ValueError(f"the store has no run of campaign {spec.name}: run it first")
+    seeds = tuple(spec.seeds.values())
+    place = {seed: index for index, seed in enumerate(seeds)}
+    cells = []
+    for cell in spec.cells():
+        values: dict[str, dict[str, Array]] = {way: {} for way in spec.ways}
+        for inputs, run in runs:
+            if inputs.cell != cell or not run.ok:
+                continue
+            for metric, value in run.values.items():
+                column = values[inputs.way].setdefault(metric, np.full(len(seeds), np.nan))
+                column[place[inputs.scenario.seed]] = value
+        cells.append(CellResults(tuple(cell.items()), seeds, values))
+    failed = tuple(run for _, run in runs if not run.ok)
+    return CampaignResults(spec, tuple(cells), failed, len(runs), len(planned))
+
+
+def rows_of(stored: Sequence[StoredRun]) -> list[dict[str, object]]:
+    """One flat row per run, for CSV."""
+    rows = []
+    for run in stored:
+        fixed = {"key": run.key, "way": run.way, "seed": run.seed, "status": run.status}
+        rows.append(fixed | dict(run.cell) | {"wall_s": run.wall_s, "cpu_s": run.cpu_s} | dict(run.values))
+    return rows
