@@ -10,10 +10,10 @@ TYPED = $(patsubst %/py.typed,%,$(wildcard ros2_ws/src/*/*/py.typed)) tools/setu
 EMPTY :=
 MYPYPATH = $(subst $(EMPTY) $(EMPTY),:,$(wildcard ros2_ws/src/*))
 
-.PHONY: help setup demo test quick claims gallery recordings check docs format lock test-robot clean tune figure-5-13
+.PHONY: help setup demo test quick claims gallery figures-5 recordings check docs format lock test-robot clean tune figure-5-13
 
 help: ## list the commands
-	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{ printf "  make %-12s %s\n", $$1, $$2 }'
+	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{ printf "  make %-12s %s\n", $$1, $$2 }'
 
 setup: ## install everything (first time: network, up to 5 minutes)
 	@$(SYSTEM_PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2> /dev/null || { \
@@ -35,6 +35,9 @@ claims: setup ## measure every figure that the README quotes
 
 gallery: setup ## figures of chapters 2 and 3 made anew, on one page
 	@./run python benchmarks/gallery.py
+
+figures-5: setup ## figures 5.10 and 5.17 to 5.24 made anew from runs of the simulator, on one page
+	@./run python benchmarks/figures_5.py
 
 recordings: setup ## slip law and odometry filter on recordings of real vehicles
 	@./run python benchmarks/recordings.py
