@@ -10,7 +10,7 @@ TYPED = $(patsubst %/py.typed,%,$(wildcard ros2_ws/src/*/*/py.typed)) tools/setu
 EMPTY :=
 MYPYPATH = $(subst $(EMPTY) $(EMPTY),:,$(wildcard ros2_ws/src/*))
 
-.PHONY: help setup demo test quick claims gallery figures-5 recordings check docs format lock test-robot clean tune figure-5-13
+.PHONY: help setup demo test quick claims gallery figures-5 recordings check docs format lock test-robot clean tune figure-5-13 table-5-1 bench
 
 help: ## list the commands
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{ printf "  make %-12s %s\n", $$1, $$2 }'
@@ -41,6 +41,13 @@ figures-5: setup ## figures 5.10 and 5.17 to 5.24 made anew from runs of the sim
 
 recordings: setup ## slip law and odometry filter on recordings of real vehicles
 	@./run python benchmarks/recordings.py
+
+table-5-1: setup ## table 5.1 over latency, disturbance and localisation (5040 runs, goes on where it stopped)
+	@./run tracked_lab campaign run table_5_1
+	@./run tracked_lab campaign run table_5_1_belts
+
+bench: setup ## what a user would pick instead, on the same plant and seeds
+	@./run tracked_lab campaign run peers
 
 tune: setup ## search the weights of every way to drive of table 5.1 (20 minutes)
 	@./run python benchmarks/tune.py

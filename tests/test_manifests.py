@@ -27,7 +27,19 @@ KEYS = {
 }
 # From PyPI, with no key of their own (setup.py and requirements/ state them), or only where they happen to be.
 WITHOUT_KEY = {
-    *("casadi", "clarabel", "cvxopt", "dask", "daqp", "distributed", "do_mpc", "filterpy", "flint", "pyarrow"),
+    *(
+        "casadi",
+        "clarabel",
+        "cloudpickle",
+        "cvxopt",
+        "dask",
+        "daqp",
+        "distributed",
+        "do_mpc",
+        "filterpy",
+        "flint",
+        "pyarrow",
+    ),
     *("pybullet", "rosbags", "rosidl_parser", "scipy"),
 }
 # A robot does not have the simulator: its package is imported late, and only for simulated runs.
