@@ -2,10 +2,12 @@
 
 import math
 import signal
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from sensor_msgs.msg import Imu, JointState
 from std_srvs.srv import Trigger
@@ -13,9 +15,9 @@ from tf2_msgs.msg import TFMessage
 from tracked_interfaces.msg import SlipEstimate
 
 from node_kit import qos
-from node_kit.conversions import imu_to_message, tracks_to_message
+from node_kit.conversions import imu_to_message, pose_sample_to_message, tracks_to_message
 from tracked_description import load_robot
-from tracked_types import ImuSample, PeriodGrid, TrackSample
+from tracked_types import ImuSample, PeriodGrid, Pose2, PoseSample, TrackSample
 
 ROBOT = load_robot()
 IMU_GRID = PeriodGrid(ROBOT.imu.rate_hz)
@@ -127,6 +129,28 @@ def test_silent_imu_is_named_on_diagnostics_while_odometry_goes_on(probe, driven
     run(probe, sensors, odometry, 30, imu=False)
     status = probe.wait_until(lambda: status_of(reports, b"\x01"), what="a warning")
     assert "imu: silent" in status.message
+
+
+def test_a_pose_of_the_past_corrects_the_odometry_of_now_where_the_node_is_told_to_listen(probe, driven):
+    poses = probe.node.create_publisher(PoseWithCovarianceStamped, "pose", qos.STATE)
+    reports = probe.collect(DiagnosticArray, "diagnostics", 100)
+    _, sensors, odometry = driven(60, "-p", "fuse_pose:=true")
+    probe.wait_until(poses.get_subscription_count, what="the node at its poses")
+    past, known = odometry[-6], len(odometry)
+    yaw = 2.0 * math.atan2(past.pose.pose.orientation.z, past.pose.pose.orientation.w)
+    pose = Pose2(past.pose.pose.position.x, past.pose.pose.position.y, yaw).compose(Pose2(0.01, 0.0, 0.0))
+
+    def leapt():
+        # The node listens as best effort: what is lost is sent again, and a duplicate does not count.
+        for frame in ("map", ROBOT.frames.odom):
+            poses.publish(pose_sample_to_message(PoseSample(stamp_ns(past), frame, pose, np.diag([1e-8, 1e-8, 1e-4]))))
+        run(probe, sensors, odometry, 1)
+        places = [(message.pose.pose.position.x, message.pose.pose.position.y) for message in odometry[known - 1 :]]
+        return max(math.dist(*pair) for pair in pairwise(places)) > SPEED_MPS / ROBOT.odometry.rate_hz + 0.005
+
+    probe.wait_until(leapt, what="the correction")
+    told = [status for report in reports for status in report.status if status.name.endswith("inputs")]
+    assert any("pose" in status.message for status in told), "the pose in another frame is complained about"
 
 
 def test_reset_service_puts_the_odometry_back_to_the_origin_and_a_signal_ends_the_node_politely(probe, driven):

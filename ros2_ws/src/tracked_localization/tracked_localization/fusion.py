@@ -1,7 +1,7 @@
 """Fusion of samples that come in the order of their stamps."""
 
 from collections import deque
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import cast
 
 from tracked_localization.belt_pair import BeltMotion, BeltPair
@@ -88,6 +88,7 @@ class SensorFusion:
     def restart(self, pose: Pose2) -> None:
         """Put the robot at ``pose``, surely known."""
         self._filter.restart(pose)
+        self._poses.restart()
         self._inputs.rolled_m = self._filter.rolled_m
 
     def interrupt(self, start_ns: int, gap_s: float) -> None:
@@ -100,6 +101,10 @@ class SensorFusion:
         self.time_ns = start_ns
         self._inputs = _Inputs(start_ns=start_ns, rolled_m=self._filter.rolled_m)
         self._poses.restart()
+
+    def expect_poses(self) -> None:
+        """Be ready for measured poses of the time from now on."""
+        self._filter.expect_poses()
 
     def fuse_pose(self, sample: PoseSample, now_ns: int | None) -> None:
         """Take in a pose of the past, or of a moment that is still to come; ``now_ns``: newest stamp of any sensor."""
@@ -180,7 +185,9 @@ class SensorFusion:
         share = self._filter.lost_share
         if share is None or not slip.known:
             return slip
-        return replace(slip, speed_mps=-share[0] * belt_speed_mps, speed_variance=share[1] * belt_speed_mps**2)
+        speed, variance = -share[0] * belt_speed_mps, share[1] * belt_speed_mps**2
+        turn = (slip.yaw_rate_radps, slip.yaw_rate_variance)
+        return Slip(slip.stamp_ns, speed, turn[0], variance, turn[1], known=True, speed_measured=True)
 
     def _check_bias(self, stamp_ns: int) -> None:
         """At rest the gyro shows its bias; a bias that is not the one known is a fault of the gyro."""

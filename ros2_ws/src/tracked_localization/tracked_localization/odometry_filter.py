@@ -84,6 +84,10 @@ class OdometryFilter:
         """Take in a sample; estimates for the instants that it completes."""
         return self._add(_TRACKS, sample.stamp_ns, sample)
 
+    def expect_poses(self) -> None:
+        """Be ready for measured poses; without this the first one that comes is only the announcement of others."""
+        self._fusion.expect_poses()
+
     def add_pose(self, sample: PoseSample) -> list[Estimate]:
         """Take in a measured pose in the odometry's frame, however late within the patience; it completes no instant.
 

@@ -6,9 +6,11 @@ import numpy as np
 
 from tracked_localization.adaptive_noise import AdaptiveNoise
 from tracked_localization.constant_twist import constant_twist_step
+from tracked_localization.initial_state import initial_state
 from tracked_localization.innovation import Innovation
 from tracked_localization.pose_memory import PoseMemory, Snapshot
 from tracked_localization.process_model import transition, unseen_motion
+from tracked_localization.readout import odometry_of
 from tracked_localization.scalar_filter import ScalarFilter
 from tracked_localization.settings import OdometryFilterSettings
 from tracked_localization.state import (
@@ -27,9 +29,10 @@ from tracked_localization.state import (
     bound,
     forget,
     keep_positive_definite,
+    lift,
     row,
 )
-from tracked_types import Odometry, Pose2, Twist2, to_nanoseconds, wrap_angle
+from tracked_types import Odometry, Pose2, to_nanoseconds, wrap_angle
 
 _START_VARIANCE = 1e-8
 _STANDING_VARIANCE = 1e-10
@@ -63,8 +66,7 @@ class PoseFilter:
         self._speed_noise = AdaptiveNoise(1e-5 * belts**2, 1e3 * belts**2, rate=0.15)
         self._yaw_noise = AdaptiveNoise(1e-5 * body**2, 1e3 * body**2, rate=0.15)
         self._gyro_variance = max(settings.gyro_noise_radps, 1e-5) ** 2
-        # Mean of two counters, each rounded to whole ticks.
-        self._rolled_variance = settings.encoder_tick_m**2 / 24.0
+        self._rolled_variance = settings.rolled_variance_m2
         self._ekf.x = np.zeros(SIZE)
         self._ekf.P = np.eye(SIZE)
         self._ekf.P[BIAS, BIAS] = settings.initial_gyro_bias_deviation_radps**2
@@ -136,7 +138,9 @@ class PoseFilter:
         lost = float(state[SHARE])
         self._step = constant_twist_step(heading, (1.0 - lost) * speed, rate, duration_s, settings.slide_s)
         self._rolled_step_m = duration_s * speed
-        self._ekf.F = transition(self._step, duration_s, fading, speed, lost)
+        # An unknown share that nobody learns stays out of the game.
+        seen = speed if self.memory.active else 0.0
+        self._ekf.F = transition(self._step, duration_s, fading, seen, lost)
         self._ekf.Q = unseen_motion(settings, heading, speed, rate, duration_s, gyro_fails=gyro_fails)
         if self.memory.active:
             self._ekf.Q[SHARE, SHARE] = settings.slip_share_walk_sqrt_s**2 * duration_s
@@ -229,9 +233,9 @@ class PoseFilter:
         """Keep the present state for measurements of it that are still to come."""
         self.memory.mark(stamp_ns, self._ekf.x, self._ekf.P)
 
-    def correct_past(self, snapshot: Snapshot, change: Array, covariance_change: Array) -> None:
-        """Correct a state of the past by ``change`` (10,), and by it the present one."""
-        self.memory.apply(snapshot, change, covariance_change, self._ekf.x, self._ekf.P)
+    def correct_past(self, snapshot: Snapshot, innovation: Array, variance: Array) -> None:
+        """Correct a state of the past by an ``innovation`` (3,) of its pose with this variance, and the present."""
+        self.memory.apply(snapshot, innovation, variance, self._ekf.x, self._ekf.P)
         keep_positive_definite(self._ekf.P)
 
     def move(self, shift: Pose2, pose_covariance: Array) -> None:
@@ -246,38 +250,13 @@ class PoseFilter:
 
     def odometry(self, stamp_ns: int) -> Odometry:
         """The state as odometry."""
-        state, covariance = self._ekf.x, self._ekf.P
-        return Odometry(
-            stamp_ns=stamp_ns,
-            frame_id=self._settings.odom_frame,
-            child_frame_id=self._settings.base_frame,
-            pose=Pose2(float(state[X]), float(state[Y]), float(state[YAW])),
-            twist=Twist2(float((1.0 - state[SHARE]) * state[SPEED]), float(state[YAW_RATE])),
-            pose_covariance=covariance[:3, :3].copy(),
-            twist_covariance=covariance[SPEED : YAW_RATE + 1, SPEED : YAW_RATE + 1].copy(),
-        )
+        return odometry_of(self._ekf.x, self._ekf.P, self._settings, stamp_ns, share_is_learnt=self.memory.active)
 
     def _begin(self, pose: Pose2, pose_covariance: Array) -> None:
-        settings = self._settings
-        bias, bias_variance = self.gyro_bias_radps, self.gyro_bias_variance
-        state = np.zeros(SIZE)
-        state[[X, Y, YAW, BIAS]] = pose.x_m, pose.y_m, wrap_angle(pose.yaw_rad), bias
-        covariance = np.zeros((SIZE, SIZE))
-        covariance[:3, :3] = pose_covariance
-        for component, deviation in (
-            (SPEED, 0.3 * settings.belt_speed_limit_mps),
-            (YAW_RATE, 0.3 * settings.yaw_rate_limit_radps),
-            (ACCELERATION, 0.3 * settings.belt_acceleration_mps2),
-            (YAW_ACCELERATION, 0.3 * settings.body_yaw_acceleration_radps2),
-        ):
-            covariance[component, component] = deviation**2
-        covariance[BIAS, BIAS] = bias_variance
-        covariance[ROLLED, ROLLED] = self._rolled_variance
-        if self.memory.active:
-            covariance[SHARE, SHARE] = settings.longitudinal_slip**2
-        bound(covariance)
-        keep_positive_definite(covariance)
-        self._ekf.x, self._ekf.P = state, covariance
+        bias = self.gyro_bias_radps, self.gyro_bias_variance
+        self._ekf.x, self._ekf.P = initial_state(
+            self._settings, pose, pose_covariance, bias, share_is_learnt=self.memory.active
+        )
         self.memory.clear()
         self._speed_noise.restart()
         self._yaw_noise.restart()
@@ -296,5 +275,5 @@ class PoseFilter:
     def _correct(self, value: float, selection: Array, variance: float) -> None:
         self._ekf.update_scalar(value, selection, variance)
         self._ekf.x[YAW] = wrap_angle(float(self._ekf.x[YAW]))
-        keep_positive_definite(self._ekf.P)
+        lift(self._ekf.P)
         self.memory.correct(self._ekf.K, selection)

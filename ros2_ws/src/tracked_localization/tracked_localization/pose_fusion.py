@@ -1,6 +1,7 @@
 """Judges measured poses that come late, and fuses them at their own instants."""
 
 import math
+from collections import deque
 
 import numpy as np
 
@@ -25,7 +26,7 @@ class PoseFusion:
     def __init__(self, settings: OdometryFilterSettings, pose_filter: PoseFilter, blames: BlameList) -> None:
         self._settings, self._filter, self._blames = settings, pose_filter, blames
         self._waiting: list[PoseSample] = []
-        self._last_ns: int | None = None
+        self._taken: deque[int] = deque(maxlen=256)
         self._refused: tuple[int, Pose2] | None = None
 
     @property
@@ -35,7 +36,7 @@ class PoseFusion:
     def restart(self) -> None:
         """A new time line begins."""
         self._waiting.clear()
-        self._last_ns = None
+        self._taken.clear()
         self._refused = None
 
     def add(self, sample: PoseSample, now_ns: int | None) -> None:
@@ -44,12 +45,19 @@ class PoseFusion:
         if problem is not None:
             self._blames.blame(POSE, problem, now_ns or sample.stamp_ns)
             return
+        patience_s = self._settings.pose_patience_s
+        if patience_s == 0.0:
+            self._blames.count(POSE, "late")
+            return
         self._filter.expect_poses()
-        if now_ns is None or seconds_between(sample.stamp_ns, now_ns) > self._settings.pose_patience_s:
+        if now_ns is None or seconds_between(sample.stamp_ns, now_ns) > patience_s:
             self._blames.blame(POSE, Fault.BAD_STAMP, now_ns or sample.stamp_ns)
-        elif any(sample.stamp_ns == other.stamp_ns for other in self._waiting) or sample.stamp_ns == self._last_ns:
+        elif sample.stamp_ns in self._taken:
             self._blames.count(POSE, "duplicate")
-        elif len(self._waiting) < _MOST_WAITING:
+        elif len(self._waiting) == _MOST_WAITING:
+            self._blames.count(POSE, "too many ahead of the sensors")
+        else:
+            self._taken.append(sample.stamp_ns)
             self._waiting.append(sample)
             self._waiting.sort(key=lambda waiting: waiting.stamp_ns)
         self.catch_up()
@@ -77,7 +85,6 @@ class PoseFusion:
         if oldest_ns is None or sample.stamp_ns < oldest_ns:
             self._blames.count(POSE, "late")
             return
-        self._last_ns = sample.stamp_ns
         snapshot = self._memory.nearest(sample.stamp_ns)
         # The pose as it would have been measured at the snapshot, a fraction of a period away.
         step = self._memory.pose_between(sample.stamp_ns).inverse().compose(snapshot.pose)
@@ -95,8 +102,7 @@ class PoseFusion:
             self._refuse(sample, snapshot, measured)
             return
         self._refused = None
-        gain = np.linalg.solve(variance, snapshot.covariance[:3, :]).T
-        self._filter.correct_past(snapshot, gain @ innovation, -gain @ variance @ gain.T)
+        self._filter.correct_past(snapshot, innovation, variance)
 
     def _refuse(self, sample: PoseSample, snapshot: Snapshot, measured: Pose2) -> None:
         shift = measured.compose(snapshot.pose.inverse())

@@ -14,7 +14,7 @@ import numpy as np
 from tracked_localization.state import SIZE, Array
 from tracked_types import Pose2, wrap_angle
 
-_POSE = slice(0, 3)
+_IDENTITY = np.eye(SIZE)
 
 
 @dataclass(slots=True)
@@ -69,7 +69,7 @@ class PoseMemory:
         """Remember the present state."""
         if not self.active:
             return
-        self._snapshots.append(Snapshot(stamp_ns, state.copy(), covariance.copy(), np.eye(SIZE)))
+        self._snapshots.append(Snapshot(stamp_ns, state.copy(), covariance.copy(), _IDENTITY.copy()))
         while self._snapshots[0].stamp_ns < stamp_ns - self._length_ns:
             self._snapshots.popleft()
 
@@ -99,25 +99,31 @@ class PoseMemory:
         step = early.pose.inverse().compose(late.pose)
         return early.pose.compose(Pose2(share * step.x_m, share * step.y_m, share * step.yaw_rad))
 
-    def apply(
-        self, snapshot: Snapshot, change: Array, covariance_change: Array, state: Array, covariance: Array
-    ) -> None:
-        """Correct a snapshot by ``change`` (10,), and with it all that came after, the present state included.
+    def apply(self, snapshot: Snapshot, innovation: Array, variance: Array, state: Array, covariance: Array) -> None:
+        """Correct a snapshot by what was measured of its pose, and with it all that came after, the present included.
 
-        Older snapshots are forgotten: what is measured of them would have to be carried through the correction.
+        innovation: (3,), of the variance (3, 3). Older snapshots stay as they are; what comes of them even later
+        passes through this correction. It then counts a little less than in order, and the covariance knows.
         """
-        while self._snapshots[0] is not snapshot:
-            self._snapshots.popleft()
-        carry = np.eye(SIZE)
-        for later in self._snapshots:
-            _correct(later.state, later.covariance, carry @ change, carry @ covariance_change @ carry.T)
-            carry = later.onward @ carry
-        _correct(state, covariance, carry @ change, carry @ covariance_change @ carry.T)
+        # Scaled to unit variance, corrections of covariances are exactly symmetric: minus a matrix times its transpose.
+        root = np.linalg.cholesky(variance)
+        unit_innovation: Array = np.linalg.solve(root, innovation)
+        unit_gain: Array = np.linalg.solve(root, snapshot.covariance[:3]).T
+        carry = None
+        for place, later in enumerate(self._snapshots):
+            if later is snapshot:
+                carry = unit_gain
+                if place > 0:
+                    before = self._snapshots[place - 1]
+                    before.onward -= unit_gain @ np.linalg.solve(root, before.onward[:3])
+            if carry is not None:
+                _correct(later.state, later.covariance, carry, unit_innovation)
+                carry = later.onward @ carry
+        if carry is not None:
+            _correct(state, covariance, carry, unit_innovation)
 
 
-def _correct(state: Array, covariance: Array, change: Array, covariance_change: Array) -> None:
-    state += change
+def _correct(state: Array, covariance: Array, unit_gain: Array, unit_innovation: Array) -> None:
+    state += unit_gain @ unit_innovation
     state[2] = wrap_angle(float(state[2]))
-    covariance += covariance_change
-    covariance += covariance.T
-    covariance *= 0.5
+    covariance -= unit_gain @ unit_gain.T

@@ -22,6 +22,7 @@ from tracked_localization.state import (
 )
 
 _ACCELERATION_MEMORY_S = 0.2
+_IDENTITY = np.eye(SIZE)
 
 
 def transition(step: TwistStep, duration_s: float, fading: float, belt_speed_mps: float, lost_share: float) -> Array:
@@ -30,7 +31,7 @@ def transition(step: TwistStep, duration_s: float, fading: float, belt_speed_mps
     ``fading``: share of the forward speed that is left after the step; ``lost_share`` of the new belt speed the ground
     does not give back, so that the pose moves by the rest.
     """
-    jacobian = np.eye(SIZE)
+    jacobian = _IDENTITY.copy()
     jacobian[X, YAW] = step.x_per_yaw
     jacobian[Y, YAW] = step.y_per_yaw
     kept_share = 1.0 - lost_share

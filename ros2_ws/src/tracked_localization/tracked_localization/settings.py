@@ -117,6 +117,11 @@ class OdometryFilterSettings:
         return self.slip.encoder_tick_m
 
     @property
+    def rolled_variance_m2(self) -> float:
+        """Variance of the rolled distance: the mean of two counters, each rounded to whole ticks."""
+        return self.encoder_tick_m**2 / 24.0
+
+    @property
     def body_yaw_acceleration_radps2(self) -> float:
         """Yaw acceleration when both belts change their speed in opposite directions as fast as they can."""
         return 2.0 * self.belt_acceleration_mps2 / self.gauge_m

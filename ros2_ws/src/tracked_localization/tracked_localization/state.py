@@ -23,6 +23,11 @@ def keep_positive_definite(covariance: Array) -> None:
     """Make a covariance (10, 10) exactly symmetric and safely positive definite, in place."""
     covariance += covariance.T
     covariance *= 0.5
+    lift(covariance)
+
+
+def lift(covariance: Array) -> None:
+    """Make a symmetric covariance (10, 10) safely positive definite, in place."""
     covariance.ravel()[:: SIZE + 1] += _FLOOR  # a view: covariances are contiguous
 
 

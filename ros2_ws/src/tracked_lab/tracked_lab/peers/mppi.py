@@ -29,7 +29,7 @@ _SMOOTHING = savgol_coeffs(2 * KNOTS + 1, 2)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MppiSettings:
-    """Sampling, and what is weighed; the defaults are those of the configuration that comes with Nav2."""
+    """Sampling, and what is weighed; the defaults are those of the example in Nav2's README, at 30 Hz."""
 
     samples: int = setting(2000, "disturbed copies of the plan", low=10, high=10000)
     steps: int = setting(50, "steps of the plan, one control period each", low=5, high=200)

@@ -54,6 +54,7 @@ class EkfNode(StackNode):
         self.subscribe_typed(Imu, "imu/data", imu_from_message, self.on_imu, sensor, expected_frame=imu_frame)
         self.subscribe_typed(JointState, "joint_states", to_tracks, self.on_tracks, sensor)
         if self.value(FUSE_POSE.name):
+            self.filter.expect_poses()
             odom_frame = self.frame(settings.odom_frame)
             self.subscribe_typed(
                 PoseWithCovarianceStamped,

@@ -43,7 +43,7 @@ def interval_function() -> Any:
     jacobian = casadi.jacobian(residuals, both)
     model = casadi.densify(casadi.mtimes(jacobian.T, jacobian))
     gradient = casadi.densify(casadi.mtimes(jacobian.T, residuals))
-    outputs = [casadi.dot(residuals, residuals), gradient[:NODE], gradient[NODE:]]
+    outputs: list[Expression] = [casadi.dot(residuals, residuals), gradient[:NODE], gradient[NODE:]]
     outputs += [model[:NODE, :NODE], model[NODE:, :NODE], model[NODE:, NODE:]]
     return casadi.Function("band_interval", [first, last, slots, parameters], outputs)
 
@@ -78,7 +78,7 @@ def _drive_function() -> Any:
 
 def residuals_of(first: Expression, last: Expression, slots: Expression, parameters: Expression) -> list[Expression]:
     """Everything an interval and the node at its end are judged by, in sigmas."""
-    p = dict(zip(PARAMETERS, casadi.vertsplit(parameters), strict=True))
+    p: dict[str, Expression] = dict(zip(PARAMETERS, casadi.vertsplit(parameters), strict=True))
     step = last[5] - first[5]
     speed, yaw_rate = last[3], last[4]
     motion = [

@@ -104,7 +104,8 @@ def _projection(points: Array, arcs: Array, here: Array) -> float:
 def _pose_at(path: Array, arcs: Array, arc: float) -> Array:
     """Pose on the path: at its end the goal's own heading, before it the path's direction."""
     if len(path) == 1 or arc >= arcs[-1] - 1e-9:
-        return path[-1].copy()
+        end: Array = path[-1].copy()
+        return end
     place = [np.interp(arc, arcs, path[:, axis]) for axis in (0, 1)]
     before, after = (np.array([np.interp(arc + step, arcs, path[:, axis]) for axis in (0, 1)]) for step in (-0.1, 0.1))
     direction = after - before

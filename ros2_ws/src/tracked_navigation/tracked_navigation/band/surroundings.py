@@ -133,4 +133,5 @@ def _thinned(points: Array) -> Array:
         return points
     cells = np.floor(np.clip(points, -1e6, 1e6) / THINNED_M).astype(np.int64)
     _, first = np.unique(cells[:, 0] * (1 << 31) + cells[:, 1], return_index=True)
-    return points[np.sort(first)]
+    kept: Array = points[np.sort(first)]
+    return kept
