@@ -47,7 +47,7 @@ table-5-1: setup ## table 5.1 over latency, disturbance and localisation (5040 r
 	@./run tracked_lab campaign run table_5_1_belts
 
 bench: setup ## what a user would pick instead, on the same plant and seeds
-	@./run tracked_lab campaign run peers
+	@./run python benchmarks/peers.py
 
 tune: setup ## search the weights of every way to drive of table 5.1 (20 minutes)
 	@./run python benchmarks/tune.py

@@ -1,15 +1,21 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tracked_description import load_robot
+from tracked_lab.campaign.run_inputs import hash_of
+from tracked_lab.campaign.spec import load_spec
 from tracked_lab.conditions import Conditions
 from tracked_lab.lock_step import drive
 from tracked_lab.peers import PEERS
+from tracked_lab.peers.path_integral import as_seen_from, roll_out
 from tracked_lab.steering_registry import make_steering
+from tracked_lab.table_variants import TABLE_VARIANTS, packaged_weights
 from tracked_lab.tuning import UnknownParameterError
 from tracked_report.metrics import run_metrics
 from tracked_report.scenario import Scenario
-from tracked_types import Odometry, Pose2, Slip, Trajectory, Twist2
+from tracked_types import Odometry, Pose2, Slip, Trajectory, Twist2, wrap_angle
 
 ROBOT = load_robot()
 SHARED = {"pipeline_latency_s": 0.1, "plan_rate_hz": 5, "seed": 1}
@@ -42,7 +48,9 @@ def test_every_peer_follows_the_curve_of_a_slipping_robot(name):
 
 def test_the_usual_solvers_drive_as_the_layer_that_they_stand_for():
     conditions = Conditions(plant="kinematic", steering="opti")
-    single = scenario(duration_s=3.0, variants={"single": {"layers": "single"}})
+    single = scenario(
+        duration_s=3.0, variants={"single": TABLE_VARIANTS["single"].with_weights(packaged_weights("single"))}
+    )
     peer = drive(scenario(duration_s=3.0), "double", conditions=conditions)
     own = drive(single, "single", conditions=Conditions(plant="kinematic"))
     assert peer.channel("truth").values == pytest.approx(own.channel("truth").values, abs=1e-3)
@@ -94,3 +102,46 @@ def test_equal_seeds_make_equal_mppi_runs():
         for _ in range(2)
     ]
     assert np.array_equal(records[0].channel("cmd_vel").values, records[1].channel("cmd_vel").values)
+
+
+def test_runs_of_peers_change_with_the_weights_that_they_have():
+    spec = load_spec("peers")
+    hashes = {run.way: run.weights for run in spec.runs()}
+    assert hashes["opti"] == hashes["do_mpc"] == hash_of(packaged_weights("single"))
+    assert hashes["constant_multiplier"] == hashes["double_improved"] and not hashes["mppi"]
+
+
+def test_a_run_that_was_planned_with_other_weights_is_refused():
+    planned = next(run for run in load_spec("peers").runs() if run.way == "opti")
+    with pytest.raises(ValueError, match=r"single\.yaml have changed"):
+        planned.model_copy(update={"weights": "0" * 12}).record()
+
+
+def test_mppi_keeps_the_limits_of_speed_and_its_change():
+    record = drive(scenario(duration_s=4.0), "double", conditions=Conditions(plant="kinematic", steering="mppi"))
+    asked = record.channel("cmd_vel_nav")
+    speeds, rates = asked.column("speed_mps"), asked.column("yaw_rate_radps")
+    assert speeds.max() <= ROBOT.limits.speed_max_mps and np.abs(rates).max() <= ROBOT.limits.yaw_rate_max_radps
+
+
+def test_path_integral_costs_are_least_for_the_copy_that_is_not_disturbed_where_the_plan_is_right():
+    plan = np.tile([0.3, 0.2], (20, 1))
+    headings = 0.2 / 30.0 * np.arange(1, 21)
+    middles = headings - 0.1 / 30.0
+    places = 0.01 * np.cumsum(np.column_stack([np.cos(middles), np.sin(middles)]), axis=0)
+    noise = np.random.default_rng(0).normal(0.0, 0.1, (50, 20, 2))
+    noise[7] = 0.0
+    costs = np.empty(50)
+    limits = (np.array([-0.4, -1.3]), np.array([0.5, 1.3]), np.array([0.05, 0.2]))
+    critics = np.array([14.0, 2.0, 4.0, 5.0, 5.0, 0.0])
+    reference = np.column_stack([places, headings])
+    roll_out(plan, noise, reference, plan[0], limits, 1.0 / 30.0, critics, np.zeros(2), costs)
+    assert costs.argmin() == 7 and costs[7] == pytest.approx(0.0, abs=1e-9)
+
+
+@given(yaw=st.floats(-3.1, 3.1), turn=st.floats(-3.0, 3.0))
+def test_headings_seen_from_the_robot_do_not_jump(yaw, turn):
+    headings = wrap_angle(yaw + np.linspace(0.0, turn, 30))
+    seen = as_seen_from(Pose2(1.0, 2.0, yaw), np.column_stack([np.ones(30), np.full(30, 2.0), headings]))
+    np.testing.assert_allclose(seen[:, 2], np.linspace(0.0, turn, 30), atol=1e-9)
+    np.testing.assert_allclose(seen[:, :2], 0.0, atol=1e-12)

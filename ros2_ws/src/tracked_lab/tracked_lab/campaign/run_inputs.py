@@ -9,7 +9,7 @@ from pydantic import Field
 
 from tracked_lab.conditions import Conditions
 from tracked_lab.lock_step import drive
-from tracked_lab.peers import PEERS
+from tracked_lab.peers import PEER_WEIGHTS, PEERS
 from tracked_lab.table_variants import TABLE_VARIANTS, packaged_weights
 from tracked_report.metrics import run_metrics
 from tracked_report.run_record import RunRecord
@@ -53,10 +53,12 @@ class RunInputs(CheckedModel):
         """
         if self.way in self.scenario.variants:
             return drive(self.scenario, self.way, conditions=self.conditions)
-        if self.way in TABLE_VARIANTS:
-            way, file = TABLE_VARIANTS[self.way], packaged_weights(self.way)
+        if self.weights:
+            file = packaged_weights(PEER_WEIGHTS.get(self.way, self.way))
             if self.weights != hash_of(file):
                 raise ValueError(f"the weights in {file.name} have changed since this run was planned")
+        if self.way in TABLE_VARIANTS:
+            way, file = TABLE_VARIANTS[self.way], packaged_weights(self.way)
             scenario = self.scenario.model_copy(update={"variants": {self.way: way.with_weights(file)}})
             return drive(scenario, self.way, conditions=way.with_weights_in(self.conditions, file))
         if self.way in PEERS:

@@ -11,7 +11,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from tracked_lab.campaign.run_inputs import RunInputs, hash_of, unknown_way
 from tracked_lab.conditions import Conditions
-from tracked_lab.peers import PEERS
+from tracked_lab.peers import PEER_WEIGHTS, PEERS
 from tracked_lab.peers.tuned import tuned_parameters
 from tracked_lab.table_variants import TABLE_VARIANTS, packaged_weights
 from tracked_report.scenario import Scenario
@@ -93,6 +93,7 @@ class CampaignSpec(CheckedModel):
         """
         planned = []
         weights = {way: hash_of(packaged_weights(way)) for way in self.ways if self._is_tabled(way)}
+        weights |= {way: hash_of(packaged_weights(PEER_WEIGHTS[way])) for way in self.ways if way in PEER_WEIGHTS}
         peers = {way: tuned_parameters(way) for way in self.ways if way in PEERS}
         cells = [(cell, *self._changed(cell)) for cell in self.cells()]
         for seed in self.seeds.values():

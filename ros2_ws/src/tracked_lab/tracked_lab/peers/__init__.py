@@ -30,3 +30,6 @@ PEERS: Mapping[str, Maker] = {
     "do_mpc": _of("usual_solvers", "do_mpc"),
     "constant_multiplier": _of("constant_multiplier", "constant_multiplier"),
 }
+
+PEER_WEIGHTS: Mapping[str, str] = {"opti": "single", "do_mpc": "single", "constant_multiplier": "double_improved"}
+"""Peers that solve the layers' problems, and the way of Table 5.1 whose tuned weights they have."""

@@ -1,4 +1,8 @@
-"""The 5 Hz layer as most people would write it: the same problem, handed to IPOPT by CasADi's Opti or by do-mpc."""
+"""The 5 Hz layer as most people would write it: the same problem, handed to IPOPT by CasADi's Opti or by do-mpc.
+
+Latency, weights (those tuned for the single layer, unless a file is named) and everything around the problem are the
+single layer's own, so that what differs is the solver alone.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -13,8 +17,10 @@ from nmpc_layers.solver.solution import Outcome
 from nmpc_layers.solver.warm_start import WarmStart
 from tracked_description import Robot
 from tracked_lab.ocp_peers import DoMpcPeer, OptiPeer
+from tracked_lab.peers import PEER_WEIGHTS
 from tracked_lab.peers.control_peer import SHARED
 from tracked_lab.steering import NmpcLayers
+from tracked_lab.table_variants import packaged_weights
 from tracked_lab.tuning import check_known, tuning_of
 
 
@@ -57,6 +63,7 @@ def do_mpc(robot: Robot, parameters: Mapping[str, Any]) -> NmpcLayers:
 def _layer(kind: str, robot: Robot, parameters: Mapping[str, Any]) -> NmpcLayers:
     check_known(kind, parameters, (UpperSettings,), *SHARED)
     own = tuning_of(UpperSettings, parameters)
+    own["weights_file"] = own.get("weights_file") or str(packaged_weights(PEER_WEIGHTS[kind]))
     own |= {"layers": "single", "rate_hz": parameters["plan_rate_hz"]}
     settings = UpperSettings.from_robot(robot, **own)
     layer = UpperLayer(replace(settings))
