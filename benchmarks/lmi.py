@@ -190,9 +190,8 @@ def main() -> int:
     for key, value in values.items():
         print(f"  {key:32} {value:10.4g}")
     print("example 2.4.1")
-    if quick:
-        counts(11, PRINTED, values, 1)
-    else:
+    counts(11, PRINTED, values, 1)
+    if not quick:
         counts(21, (*PRINTED, *MORE), values, arguments.workers)
         counts(101, PRINTED, values, arguments.workers)
     print("soundness")

@@ -119,7 +119,7 @@ def run(graph: Graph, stop_after: int = 10**9, **settings: Any) -> LiveState:
 def test_time_starts_when_every_endpoint_is_there_and_everything_is_ended_the_recorder_first() -> None:
     graph = Graph(plan("sim_bridge", "ekf"))
     assert run(graph).time_s >= 5.0
-    assert graph.log == ["start 1", "play", "end, recorder first"]
+    assert graph.log == ["start 1", "play", "end, recorder mcap_recorder first"]
     assert graph.polls_until_up == 0 and graph.polls_until_heard == 0
 
 
@@ -160,7 +160,7 @@ def test_a_bad_end_has_its_code_and_reason_and_leaves_nothing_running(
     with pytest.raises(RunEndedError, match=words) as error:
         run(graph)
     assert error.value.code is code
-    assert graph.log[-1] == "end, recorder first"
+    assert graph.log[-1] == "end, recorder mcap_recorder first"
 
 
 @pytest.mark.parametrize("stop_after", [1, 20])
@@ -168,7 +168,7 @@ def test_an_interruption_ends_everything(stop_after: int) -> None:
     graph = Graph(plan("sim_bridge"))
     with pytest.raises(RunEndedError, match="interrupted") as error:
         run(graph, stop_after)
-    assert error.value.code is ExitCode.INTERRUPTED and graph.log[-1] == "end, recorder first"
+    assert error.value.code is ExitCode.INTERRUPTED and graph.log[-1] == "end, recorder mcap_recorder first"
 
 
 def test_an_open_ended_run_ends_well_when_asked_to() -> None:
