@@ -70,7 +70,8 @@ def errors_of(name: str, seeds: int | None, workers: int) -> CampaignResults:
     store = RunStore(output_folder() / "campaigns" / spec.name)
     results = run_campaign(spec, store, scheduler=None, workers=workers)
     keys = {planned.key for planned in spec.runs()}
-    _, page = publish_campaign(results, [run for key, run in store.runs().items() if key in keys])
+    published = [run for key, run in store.runs().items() if key in keys]
+    _, page = publish_campaign(results, published, f"{name}_quick" if seeds else None)
     print(page)
     return results
 
