@@ -16,10 +16,11 @@ from pathlib import Path
 import numpy as np
 from distributed import Client
 
-from tracked_lab.campaign.execution import Plan, connected, execute
+from tracked_lab.campaign.execution import connected, execute
 from tracked_lab.campaign.perform import Measure
 from tracked_lab.campaign.run_inputs import RunInputs
 from tracked_lab.campaign.run_store import RunStore, StoredRun
+from tracked_lab.campaign.runs_under_way import Plan
 from tracked_lab.conditions import Conditions
 from tracked_report.results import write_metrics
 from tracked_report.scenario import Reference, Scenario

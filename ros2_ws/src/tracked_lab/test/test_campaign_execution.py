@@ -5,15 +5,17 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 
 import cloudpickle
 import pytest
 from distributed import Client
 
-from tracked_lab.campaign.execution import Plan, SchedulerError, connected, execute, missing
+from tracked_lab.campaign.execution import connected, execute, missing
 from tracked_lab.campaign.perform import perform
 from tracked_lab.campaign.run_inputs import RunInputs
 from tracked_lab.campaign.run_store import RunStore
+from tracked_lab.campaign.runs_under_way import Plan, SchedulerError
 from tracked_report.scenario import Scenario
 
 SCENARIO = {"name": "s", "world": "flat", "duration_s": 1.0, "reference": {"shape": "line"}}
@@ -36,6 +38,17 @@ def moody(inputs):
         raise RuntimeError("the belt came off")
     while seed == 3:
         time.sleep(0.01)
+    return cheap(inputs)
+
+
+def unhurried(inputs):
+    time.sleep(0.1)
+    return cheap(inputs)
+
+
+def blocked(inputs):
+    if inputs.scenario.seed == 2:
+        time.sleep(3600.0)  # one call: nothing raised in this thread gets through
     return cheap(inputs)
 
 
@@ -75,6 +88,18 @@ def test_a_run_that_raises_or_hangs_is_recorded_and_stops_nobody(tmp_path, clien
     assert missing(runs(8), store) == [] and len(missing(runs(8), store, again=True)) == 2
 
 
+def test_a_run_stuck_in_one_call_is_recorded_and_its_worker_works_on(tmp_path, client, monkeypatch):
+    monkeypatch.setattr("tracked_lab.campaign.runs_under_way._STUCK_GRACE_S", 2.0)
+    store, before = RunStore(tmp_path), set(client.run(os.getpid).values())
+    done(store, 8, client, blocked, limit_s=0.5)
+    by_seed = {run.seed: run for run in store.runs().values()}
+    assert by_seed[2].status == "timeout" and "stuck" in by_seed[2].error
+    assert sum(run.ok for run in by_seed.values()) == 7
+    client.wait_for_workers(2, timeout=60)
+    after = set(client.run(os.getpid).values())
+    assert len(after) == 2 and len(after & before) == 1
+
+
 def test_a_run_that_takes_its_worker_down_is_recorded_and_the_others_are_done(tmp_path, client):
     store = RunStore(tmp_path)
     done(store, 8, client, deadly)
@@ -99,8 +124,9 @@ SCRIPT = """
 import sys, time
 from pathlib import Path
 sys.path[:0] = {path!r}
-from tracked_lab.campaign.execution import Plan, connected, execute, missing
+from tracked_lab.campaign.execution import connected, execute, missing
 from tracked_lab.campaign.run_inputs import RunInputs
+from tracked_lab.campaign.runs_under_way import Plan
 from tracked_lab.campaign.run_store import RunStore
 
 def slow(inputs):
@@ -129,6 +155,60 @@ def test_a_client_and_scheduler_that_are_killed_lose_at_most_what_was_in_flight(
     assert 0 < kept < 24
     execute(Plan("c", missing(wanted, store), 60.0), store, client, lambda _run: None, cheap)
     assert sorted(run.seed for run in store.runs().values()) == list(range(1, 25))
+
+
+SCHEDULER = """
+import sys
+sys.path[:0] = {path!r}
+from distributed import LocalCluster
+
+if __name__ == "__main__":
+    options = dict(threads_per_worker=1, dashboard_address=None, local_directory=sys.argv[1])
+    with LocalCluster(n_workers=1, **options) as cluster:
+        print(cluster.scheduler_address, flush=True)
+        sys.stdin.read()
+"""
+
+
+@contextmanager
+def another_scheduler(folder, path):
+    script = folder / "scheduler_script.py"
+    script.write_text(SCHEDULER.format(path=path))
+    command = [sys.executable, str(script), str(folder)]
+    plain = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=plain) as process:
+        yield process, process.stdout.readline().strip()
+        process.stdin.close()
+
+
+def test_workers_without_this_code_are_one_sentence_and_no_run_is_blamed(tmp_path):
+    store = RunStore(tmp_path / "store")
+    with (
+        another_scheduler(tmp_path, []) as (_, address),
+        connected(address, 1) as other,
+        pytest.raises(SchedulerError, match="cannot run this code"),
+    ):
+        execute(Plan("c", runs(3), 60.0), store, other, lambda _run: None, cheap)
+    assert not store.runs()
+
+
+def test_a_scheduler_that_is_killed_is_one_sentence_and_another_one_goes_on(tmp_path, client):
+    wanted, store = runs(24), RunStore(tmp_path / "store")
+    with another_scheduler(tmp_path, sys.path) as (process, address):
+        told = []
+
+        def kill(run):
+            told.append(run)
+            if len(told) == 5:
+                process.send_signal(signal.SIGKILL)
+                process.wait()
+
+        with pytest.raises(SchedulerError, match="the scheduler is gone"), connected(address, 1) as other:
+            execute(Plan("c", wanted, 60.0), store, other, kill, unhurried)
+    assert 5 <= len(store.runs()) < 24 and all(run.ok for run in store.runs().values())
+    execute(Plan("c", missing(wanted, store), 60.0), store, client, lambda _run: None, cheap)
+    assert sorted(run.seed for run in store.runs().values()) == list(range(1, 25))
+    assert all(run.ok for run in store.runs().values())
 
 
 def test_an_existing_scheduler_is_used(tmp_path, client):

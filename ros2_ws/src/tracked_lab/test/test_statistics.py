@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from tracked_lab.statistics import median_interval, reduction_percent
+from tracked_lab.statistics import latest_median, median_interval, reduction_percent
 
 
 def test_the_interval_holds_the_median_as_often_as_it_says():
@@ -42,3 +42,10 @@ def test_no_pair_at_all_or_unequal_numbers_are_refused():
 def test_equal_seeds_give_equal_intervals():
     values = np.random.default_rng(1).normal(size=25)
     assert median_interval(values, 3) == median_interval(values, 3)
+
+
+def test_what_never_came_counts_as_latest_and_not_as_absent():
+    times = np.array([0.4, 0.6, 0.8, np.inf, np.nan])
+    found = latest_median(times)
+    assert found.median == pytest.approx(0.7) and found.high == np.inf and found.count == 4
+    assert latest_median(np.array([0.4, np.inf])) is None and latest_median(np.array([np.nan])) is None

@@ -29,9 +29,27 @@ def median_interval(values: Array, seed: int = 0) -> Interval:
     kept = values[np.isfinite(values)]
     if not len(kept):
         raise ValueError("no finite value to take a median of")
+    return _interval(kept, seed)
+
+
+def latest_median(times_s: Array, seed: int = 0) -> Interval | None:
+    """As `median_interval` of times (n,) of which some are infinite, since what is waited for never came; they count.
+
+    None if the median is infinite; the interval may be, upwards. NaN is left out.
+    """
+    kept = times_s[~np.isnan(times_s)]
+    if not len(kept) or not np.isfinite(np.median(kept)):
+        return None
+    return _interval(kept, seed)
+
+
+def _interval(kept: Array, seed: int) -> Interval:
     draws = np.random.default_rng(seed).integers(0, len(kept), (_RESAMPLES, len(kept)))
     medians = np.median(kept[draws], axis=1)
-    low, high = np.quantile(medians, [0.5 - 0.5 * _CONFIDENCE, 0.5 + 0.5 * _CONFIDENCE])
+    # Not interpolated: some may be infinite.
+    low, high = np.sort(medians)[
+        np.rint([(_RESAMPLES - 1) * 0.5 * (1.0 + side * _CONFIDENCE) for side in (-1, 1)]).astype(int)
+    ]
     return Interval(float(np.median(kept)), float(low), float(high), len(kept))
 
 

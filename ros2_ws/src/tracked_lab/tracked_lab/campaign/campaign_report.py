@@ -59,9 +59,16 @@ def _report(results: CampaignResults) -> Report:
         ("runs", f"{results.done} of {results.planned}"),
         ("seeds", f"{spec.seeds.first} to {spec.seeds.values()[-1]}"),
         ("without figures", str(len(results.failed))),
+        ("results", results.filled),
+        ("reference covered", _covered(results)),
     ]
     problems = [(f"{run.way}, seed {run.seed}", f"{run.status}: {_last_line(run.error)}") for run in results.failed]
     return Report(f"Campaign {spec.name}", spec.description, facts, headlines[:3], sections, problems)
+
+
+def _covered(results: CampaignResults) -> str:
+    middle = results.main.median(results.spec.baseline_name, "true.covered_percent")
+    return "unknown" if middle is None else f"{middle.median:.0f} % of its time, from the start on"
 
 
 def _main_section(results: CampaignResults) -> Section:

@@ -8,9 +8,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tracked_lab.campaign.campaign_report import publish_campaign
+from tracked_lab.campaign.progress_line import ProgressLine
 from tracked_lab.campaign.results import CampaignResults, gather
 from tracked_lab.campaign.run_inputs import RunInputs, UnknownWayError
-from tracked_lab.campaign.run_store import RunStore, StoredRun, StoreError
+from tracked_lab.campaign.run_store import RunStore, StoreError
 from tracked_lab.campaign.spec import CampaignSpec, load_spec
 from tracked_report.metrics import run_metrics
 from tracked_report.publish import publish_runs
@@ -18,6 +19,7 @@ from tracked_report.results import output_folder
 from tracked_report.terminal import render_table
 from tracked_types.checked_yaml import CheckedFileError
 
+_QUICK_SEEDS = 3
 _TIMES = ("solver.", "loop.", "latency.")  # figures of the clock, not of the run
 
 
@@ -39,11 +41,12 @@ def run_campaign(
 ) -> CampaignResults:
     """Do what is missing and gather the results."""
     # distributed takes a second to import: only who runs something waits for it.
-    from tracked_lab.campaign.execution import Plan, SchedulerError, connected, execute, missing
+    from tracked_lab.campaign.execution import connected, execute, missing
+    from tracked_lab.campaign.runs_under_way import Plan, SchedulerError
 
     planned = spec.runs()
     plan = Plan(spec.name, missing(planned, store, again=again), spec.time_limit_s)
-    line = _ProgressLine(len(planned), len(planned) - len(plan.inputs))
+    line = ProgressLine(len(planned), len(planned) - len(plan.inputs))
     if plan.inputs:
         try:
             with connected(scheduler, workers) as client:
@@ -53,40 +56,6 @@ def run_campaign(
         finally:
             line.end()
     return gather(spec, store.runs())
-
-
-class _ProgressLine:
-    """Done, failed and left on one line of a terminal; without one, a line now and then."""
-
-    def __init__(self, total: int, done: int) -> None:
-        import time
-
-        self._clock = time.monotonic
-        self._total, self._done, self._failed, self._fresh = total, done, 0, 0
-        self._began_s = self._shown_s = self._clock()
-        self._live = sys.stdout.isatty()
-        print(f"{total} runs, {done} of them done before", flush=True)
-
-    def tell(self, run: StoredRun) -> None:
-        """One more run has ended."""
-        self._done += 1
-        self._fresh += 1
-        self._failed += not run.ok
-        now_s = self._clock()
-        if now_s - self._shown_s < (0.2 if self._live else 15.0) and self._done < self._total:
-            return
-        self._shown_s = now_s
-        rate = self._fresh / max(now_s - self._began_s, 1e-9)
-        left_s = (self._total - self._done) / rate
-        share = round(30 * self._done / self._total)
-        text = f"[{'#' * share}{'.' * (30 - share)}] {self._done}/{self._total}, {rate:.1f}/s, {left_s:.0f} s left"
-        text += f", {self._failed} without figures" if self._failed else ""
-        print(f"\r\x1b[K{text}" if self._live else text, end="" if self._live else "\n", flush=True)
-
-    def end(self) -> None:
-        """Leave the line."""
-        if self._live:
-            print()
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -107,6 +76,7 @@ def _parser() -> argparse.ArgumentParser:
             sub.add_argument("--workers", type=_positive, default=os.cpu_count() or 1, help="local worker processes")
             sub.add_argument("--seeds", type=_positive, help="only so many of the seeds")
             sub.add_argument("--main-cell", action="store_true", help="only the cell that matters most")
+            sub.add_argument("--quick", action="store_true", help="only the main cell on 3 seeds, into out/NAME_quick")
             sub.add_argument("--again", action="store_true", help="also repeat runs that failed before")
         if name == "rerun":
             sub.add_argument("key", help="key of the run, or its beginning (see runs.csv)")
@@ -127,23 +97,27 @@ def _opened(options: argparse.Namespace) -> tuple[CampaignSpec, RunStore]:
 
 def _run(options: argparse.Namespace) -> int:
     spec, store = _opened(options)
-    if options.seeds:
-        spec = spec.model_copy(update={"seeds": spec.seeds.model_copy(update={"count": options.seeds})})
-    if options.main_cell:
-        axes = {axis: {label: spec.axes[axis][label]} for axis, label in spec.main.items()}
-        spec = spec.model_copy(update={"axes": spec.axes | axes})
-    results = run_campaign(spec, store, scheduler=options.scheduler, workers=options.workers, again=options.again)
-    return _tell(results, store)
+    part = spec
+    if options.quick or options.seeds:
+        count = options.seeds or min(_QUICK_SEEDS, spec.seeds.count)
+        part = part.model_copy(update={"seeds": spec.seeds.model_copy(update={"count": count})})
+    if options.quick or options.main_cell:
+        part = part.main_part()
+    if part != spec:
+        seeds, cells = spec.seeds.count - part.seeds.count, len(spec.cells()) - len(part.cells())
+        print(f"left out: {max(seeds, 0)} of {spec.seeds.count} seeds, {cells} of {len(spec.cells())} cells")
+    results = run_campaign(part, store, scheduler=options.scheduler, workers=options.workers, again=options.again)
+    return _tell(results, store, f"{spec.name}_quick" if options.quick else spec.name)
 
 
 def _report(options: argparse.Namespace) -> int:
     spec, store = _opened(options)
-    return _tell(gather(spec, store.runs()), store)
+    return _tell(gather(spec, store.runs()), store, spec.name)
 
 
-def _tell(results: CampaignResults, store: RunStore) -> int:
+def _tell(results: CampaignResults, store: RunStore, name: str) -> int:
     stored, keys = store.runs(), {planned.key for planned in results.spec.runs()}
-    metrics, page = publish_campaign(results, [run for key, run in stored.items() if key in keys])
+    metrics, page = publish_campaign(results, [run for key, run in stored.items() if key in keys], name)
     main, baseline = results.main, results.spec.baseline_name
     names = ("true.rms_x_m", "true.rms_y_m", "true.rms_theta_rad")
     rows = []
@@ -157,6 +131,7 @@ def _tell(results: CampaignResults, store: RunStore) -> int:
     print(f"\n{main.label}, true frame, medians over {len(main.seeds)} seeds")
     headers = ("", "RMS x (mm)", "RMS y (mm)", "RMS heading (mrad)")
     print(render_table(rows, headers, ("left", "right", "right", "right")))
+    print(f"{results.done} of {results.planned} runs, {results.filled}")
     for run in results.failed[:5]:
         print(f"{run.status}: {run.way}, seed {run.seed}, key {run.key}: {run.error.strip().splitlines()[-1]}")
     print(f"\n{metrics}\n{page}")

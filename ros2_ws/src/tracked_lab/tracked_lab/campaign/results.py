@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tracked_lab.campaign.run_store import StoredRun
 from tracked_lab.campaign.spec import CampaignSpec
-from tracked_lab.statistics import Interval, median_interval, reduction_percent
+from tracked_lab.statistics import Interval, latest_median, median_interval, reduction_percent
 
 Array = NDArray[np.float64]
 Cell = tuple[tuple[str, str], ...]
@@ -16,6 +16,7 @@ Cell = tuple[tuple[str, str], ...]
 
 TRACKING = ("rms_x_m", "rms_y_m", "rms_theta_rad", "ptop_x_m", "ptop_y_m", "ptop_theta_rad")
 FRAMES = ("true", "estimated")
+RECOVERY = "recovery_s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,9 +33,25 @@ class CellResults:
         return ".".join(label for _, label in self.cell) or "all"
 
     def median(self, way: str, metric: str) -> Interval | None:
-        """Median of one figure; None without any."""
+        """Median of one figure; None without any, and where most runs never recovered.
+
+        A run that never recovered counts as one that takes longer than every other: none is left out.
+        """
         values = self.values[way].get(metric)
-        return None if values is None or not np.isfinite(values).any() else median_interval(values)
+        if values is None or not np.isfinite(values).any():
+            return None
+        if metric.endswith(RECOVERY):
+            return latest_median(np.where(np.isnan(values) & self._driven(way, metric), np.inf, values))
+        return median_interval(values)
+
+    def recovered_share(self, way: str, metric: str) -> float | None:
+        """Of the runs that were disturbed, how many recovered; None if none was."""
+        values, driven = self.values[way].get(metric), self._driven(way, metric)
+        return None if values is None or not driven.any() else float(np.isfinite(values[driven]).mean())
+
+    def _driven(self, way: str, metric: str) -> NDArray[np.bool_]:
+        error = self.values[way].get(f"{metric.partition('.')[0]}.rms_x_m")
+        return np.isfinite(error) if error is not None else np.zeros(len(self.seeds), dtype=np.bool_)
 
     def reduction(self, way: str, metric: str, baseline: str) -> Interval | None:
         """How much lower than the baseline's (%); None without pairs."""
@@ -46,13 +63,14 @@ class CellResults:
 
 @dataclass(frozen=True, slots=True)
 class CampaignResults:
-    """All cells, and the runs that have no figures."""
+    """All cells, and the runs that have no figures. filled: when, and by which commits of the code."""
 
     spec: CampaignSpec
     cells: tuple[CellResults, ...]
     failed: tuple[StoredRun, ...]
     done: int
     planned: int
+    filled: str = ""
 
     @property
     def main(self) -> CellResults:
@@ -72,6 +90,9 @@ class CampaignResults:
                     middle = results.median(way, metric)
                     if middle is not None:
                         found[f"{results.label}.{way}.{metric}"] = middle.median
+                    share = results.recovered_share(way, metric) if metric.endswith(RECOVERY) else None
+                    if share is not None:
+                        found[f"{results.label}.{way}.{metric.removesuffix('_s')}_share"] = share
                 if way != baseline:
                     found |= self._reductions(results, way, baseline)
         return found
@@ -113,7 +134,12 @@ def gather(spec: CampaignSpec, stored: Mapping[str, StoredRun]) -> CampaignResul
                 column[place[inputs.scenario.seed]] = value
         cells.append(CellResults(tuple(cell.items()), seeds, values))
     failed = tuple(run for _, run in runs if not run.ok)
-    return CampaignResults(spec, tuple(cells), failed, len(runs), len(planned))
+    return CampaignResults(spec, tuple(cells), failed, len(runs), len(planned), _filled([run for _, run in runs]))
+
+
+def _filled(runs: Sequence[StoredRun]) -> str:
+    times, commits = sorted(run.created for run in runs if run.created), sorted({run.commit for run in runs} - {""})
+    return f"made {times[0]} to {times[-1]} by commit {', '.join(commits)}" if times else "made at no known time"
 
 
 def rows_of(stored: Sequence[StoredRun]) -> list[dict[str, object]]:

@@ -84,6 +84,11 @@ class CampaignSpec(CheckedModel):
             every = [every[index] for index in sorted(chosen.tolist())]
         return every
 
+    def main_part(self) -> "CampaignSpec":
+        """Only the cell that matters most; of axes that ``main`` does not name, every label."""
+        axes = {axis: {label: self.axes[axis][label]} for axis, label in self.main.items()}
+        return self.model_copy(update={"axes": self.axes | axes})
+
     def runs(self) -> list[RunInputs]:
         """Every run, seed by seed, so that a campaign cut short has whole pairs.
 
