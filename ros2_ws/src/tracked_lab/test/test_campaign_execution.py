@@ -110,6 +110,7 @@ def test_a_run_that_takes_its_worker_down_is_recorded_and_the_others_are_done(tm
 
 def test_a_worker_that_is_killed_costs_nothing(tmp_path, client):
     store, killed = RunStore(tmp_path), []
+    client.wait_for_workers(2, timeout=60)
 
     def kill_one(_run):
         if not killed:

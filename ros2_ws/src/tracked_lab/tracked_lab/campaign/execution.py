@@ -15,8 +15,8 @@ from tracked_lab.campaign.runs_under_way import Plan, RunsUnderWay, SchedulerErr
 
 _SAVE_EVERY_S = 1.0
 _CONNECT_S = 10.0
-# A worker that dies is one run's doing: no other is with it, and that run is not tried more than twice.
-_LOCAL = {"distributed.scheduler.worker-saturation": 1.0, "distributed.scheduler.allowed-failures": 1}
+# A worker holds one run: if it dies, only that run is suspected, and it is given up after taking three down.
+_LOCAL = {"distributed.scheduler.worker-saturation": 1.0, "distributed.scheduler.allowed-failures": 2}
 _LOADED = [perform.__module__]  # before a worker counts as there: loading takes seconds, which are no run's time
 Told = Callable[[StoredRun], None]
 
