@@ -15,7 +15,7 @@ from tracked_description import load_robot
 
 FRAMES = set(dict(load_robot().frames).values())
 ROBOTS = {"r1": "line", "r2": "circle"}
-SECONDS = 4
+SECONDS = 8  # long enough for an onlooker that is found late
 LIMIT_S = 100.0
 LOOK_EVERY_S = 0.1
 OF_ROS = re.compile(r"/rosout|/parameter_events")

@@ -16,6 +16,7 @@ from tracked_types.setting import check_settings, setting
 
 Array = NDArray[np.float64]
 _STEPS = 24
+_STANDING_MPS = 1e-6
 _TURN_RADIUS_M = 0.5  # of a turn on the spot, to measure it in metres at about the corners
 
 
@@ -88,8 +89,8 @@ class CollisionGuard:
 
     def permitted(self, wanted: Twist2, moving: Twist2, now_ns: int) -> Permitted:
         """As much of the command as is safe, its curvature kept; ``moving`` is how the robot moves now."""
-        if wanted == Twist2(0.0, 0.0):
-            return Permitted(wanted)
+        if _pace(wanted) < _STANDING_MPS:
+            return Permitted(Twist2(0.0, 0.0))
         age_s = math.inf if self._stamp_ns is None else seconds_between(now_ns, self._stamp_ns)
         if age_s > self.settings.scan_timeout_s or age_s < -self.settings.scan_timeout_s:
             reason = "no scan yet" if self._stamp_ns is None else f"the scan is {abs(age_s):.2f} s old"
@@ -111,7 +112,7 @@ class CollisionGuard:
         if not len(points):
             return Permitted(wanted)
         settings = self.settings
-        pace = max(abs(wanted.speed_mps), _TURN_RADIUS_M * abs(wanted.yaw_rate_radps))
+        pace = _pace(wanted)
         late_s = settings.reaction_s + settings.delay_s
         look_m = pace * max(late_s, settings.approach_s) + pace**2 / (2.0 * settings.braking_mps2)
         free_m, touching = self._free_way(wanted, pace, look_m, points)
@@ -166,6 +167,11 @@ def _moved_back(points: Array, twist: Twist2, duration_s: float) -> Array:
         radius = way / turn
         moved = Pose2(radius * math.sin(turn), radius * (1.0 - math.cos(turn)), turn)
     return moved.inverse().transform(points)
+
+
+def _pace(twist: Twist2) -> float:
+    """Speed (m/s) of the robot or, where it turns, of about its corners."""
+    return max(abs(twist.speed_mps), _TURN_RADIUS_M * abs(twist.yaw_rate_radps))
 
 
 def _scaled(twist: Twist2, share: float) -> Twist2:
