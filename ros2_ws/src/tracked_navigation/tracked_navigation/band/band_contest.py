@@ -20,8 +20,8 @@ from tracked_types import Pose2, Twist2, wrap_angle
 Array = NDArray[np.float64]
 FOLLOWED = "as before"
 _SCREENING, _REFINING = 5, 12  # iterations, to see what a band is worth and to pull it tight
-_MOST_ITERATIONS = 60  # of one update; what has not been tried by then has its turn at the next
-_BRAKING_POINTS = (0.8, 0.6, 0.4, 0.2)  # share of the time until a band must not be followed any more
+_MOST_ITERATIONS = 48  # of one update; what has not been tried by then has its turn at the next
+_BRAKING_POINTS = (0.75, 0.4, 0.15)  # share of the time until a band must not be followed any more
 _LEAST_DRIVE_S = 0.1
 _SLOWER_SHARE = 0.5
 _HOPEFUL = 1.5  # a screened band is refined if it costs no more than this times what it has to beat
@@ -132,10 +132,10 @@ class _Contest:
             tried = self._try(way.name, self._begun(way), _SCREENING + _REFINING)
             if not tried.finding.reason:
                 return self._outcome(tried, OTHER_SIDE, reason)
-        for tried in sorted(self.tried, key=lambda each: -each.finding.contact_s)[:2]:
-            stopping = self._stopping_in_time(tried)
-            if stopping is not None:
-                return self._outcome(stopping, STOP, f"{tried.finding.reason}; brakes before")
+        cheapest = min(self.tried, key=lambda each: each.cost)
+        stopping = self._stopping_in_time(cheapest)
+        if stopping is not None:
+            return self._outcome(stopping, STOP, f"{cheapest.finding.reason}; brakes before")
         return self._outcome(None, STOP, refused.finding.reason)
 
     def _stopping_in_time(self, tried: Tried) -> Tried | None:

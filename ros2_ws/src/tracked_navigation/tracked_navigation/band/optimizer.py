@@ -43,7 +43,7 @@ class BandEnd:
     @classmethod
     def passing(cls, goal: Array) -> "BandEnd":
         """About the pose ``goal`` (3,), at any speed."""
-        return cls(np.concatenate([goal, np.zeros(3)]), np.array([20.0, 20.0, 5.0, 0.0, 0.0, 0.0]))
+        return cls(np.concatenate([goal, np.zeros(3)]), np.array([6.0, 6.0, 3.0, 0.0, 0.0, 0.0]))
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ JOIN_M = 0.3  # ahead of the robot's projection, where a route joins the path
 SEARCH_M = 0.25
 BEYOND_M = 1.5  # how far past the usual end a free one is looked for
 LEAST_M = 0.1
+ROOMY_M = 0.25
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,10 +53,14 @@ def route_along(
     places = np.concatenate([farther, nearer])
     poses = np.array([_pose_at(path, arcs, float(arc)) for arc in places])
     still = Surroundings(surroundings.points, surroundings.segments, surroundings.thinned, np.zeros((0, 5)))
-    free = np.flatnonzero(clearances(np.zeros(len(poses)), poses, still, footprint, room_m) >= room_m)
+    room = clearances(np.zeros(len(poses)), poses, still, footprint, ROOMY_M)
+    free = np.flatnonzero(room >= room_m)
     if not len(free):
         return None
-    arc, end = float(places[free[0]]), poses[free[0]]
+    # A place right behind an obstacle is a poor one to aim at if there is a roomy one beyond.
+    roomy = free[(room[free] >= ROOMY_M) & (free < len(farther))]
+    chosen = free[0] if reaches_goal or not len(roomy) else roomy[0]
+    arc, end = float(places[chosen]), poses[chosen]
     is_goal, is_short = arc >= length - 1e-9, arc < usual - 1e-9
     reason = ""
     if is_short:

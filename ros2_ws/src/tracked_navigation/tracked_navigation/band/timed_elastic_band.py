@@ -88,7 +88,10 @@ class TimedElasticBand:
         outcome = self._contest.decide(Task(start, twist, route, surroundings), followed)
         if outcome.chosen is None:
             return self._stop(start, twist, surroundings, stamp_ns, outcome.reason, outcome.candidates)
-        self._memory.keep(outcome.chosen.nodes, stamp_ns)
+        if outcome.kind == STOP:
+            self._memory.forget()  # a band that may not be driven to its end has no claim to be followed
+        else:
+            self._memory.keep(outcome.chosen.nodes, stamp_ns)
         return self._handed_out(outcome, route, stamp_ns)
 
     def _handed_out(self, outcome: Outcome, route: Route, stamp_ns: int) -> BandResult:
