@@ -20,7 +20,7 @@ from tracked_types import Pose2, Twist2, wrap_angle
 Array = NDArray[np.float64]
 FOLLOWED = "as before"
 _SCREENING, _REFINING = 5, 12  # iterations, to see what a band is worth and to pull it tight
-_MOST_ITERATIONS = 48  # of one update; what has not been tried by then has its turn at the next
+_MOST_ITERATIONS = 40  # of one update; what has not been tried by then has its turn at the next
 _BRAKING_POINTS = (0.75, 0.4, 0.15)  # share of the time until a band must not be followed any more
 _LEAST_DRIVE_S = 0.1
 _SLOWER_SHARE = 0.5
@@ -114,6 +114,8 @@ class _Contest:
         screened = [(*self._optimised(self._begun(way), _SCREENING), way.name) for way in ways]
         screened.sort(key=lambda each: each[1])
         for nodes, _, name in screened:
+            if self.tried and self._iterations_left <= 0:
+                break
             tried = self._try(name, nodes, _REFINING)
             if not tried.finding.reason:
                 first = self.tried[0].finding.reason
@@ -129,6 +131,8 @@ class _Contest:
         if not slower.finding.reason:
             return self._outcome(slower, SLOWER, reason)
         for way in ways:
+            if self._iterations_left <= 0:
+                break
             tried = self._try(way.name, self._begun(way), _SCREENING + _REFINING)
             if not tried.finding.reason:
                 return self._outcome(tried, OTHER_SIDE, reason)
@@ -144,10 +148,10 @@ class _Contest:
             begin_s = share * tried.finding.begins_s
             if begin_s < _LEAST_DRIVE_S:
                 return None
-            for samples in followed_by_stop(tried.samples, begin_s, self.settings.limits):
-                finding = self.check.judge(*samples, self.task.surroundings)
-                if not finding.reason:
-                    return Tried(tried.way, tried.nodes, tried.cost, samples, finding)
+            samples = followed_by_stop(tried.samples, begin_s, self.settings.limits)
+            finding = self.check.judge(*samples, self.task.surroundings)
+            if not finding.reason:
+                return Tried(tried.way, tried.nodes, tried.cost, samples, finding)
         return None
 
     def _begun(self, way: Way) -> Array:

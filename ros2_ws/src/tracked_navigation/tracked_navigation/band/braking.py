@@ -29,16 +29,14 @@ def safest_stop(start: Pose2, twist: Twist2, check: BandCheck, surroundings: Sur
     return max(found, key=lambda each: each[1].contact_s)
 
 
-def followed_by_stop(samples: Samples, begin_s: float, limits: MotionLimits) -> list[Samples]:
-    """Along ``samples`` up to ``begin_s``, then to rest, in each of the ways of `stops`."""
+def followed_by_stop(samples: Samples, begin_s: float, limits: MotionLimits) -> Samples:
+    """Along ``samples`` up to ``begin_s``, then to rest along the arc that the robot is on then."""
     times, states, inputs = samples
     last = max(int(np.searchsorted(times, begin_s, side="right")) - 1, 0)
     state, (speed, yaw_rate) = states[last], inputs[last].tolist()
-    found = []
-    for after, way, slowing in stops(Pose2(*state.tolist()), Twist2(speed, yaw_rate), limits):
-        whole = np.concatenate([times[: last + 1], times[last] + after[1:]])
-        found.append((whole, np.vstack([states[: last + 1], way[1:]]), np.vstack([inputs[: last + 1], slowing[1:]])))
-    return found
+    _, (after, way, slowing) = stops(Pose2(*state.tolist()), Twist2(speed, yaw_rate), limits)
+    whole = np.concatenate([times[: last + 1], times[last] + after[1:]])
+    return whole, np.vstack([states[: last + 1], way[1:]]), np.vstack([inputs[: last + 1], slowing[1:]])
 
 
 def _ramp(start: Pose2, twist: Twist2, durations_s: tuple[float, float]) -> Samples:

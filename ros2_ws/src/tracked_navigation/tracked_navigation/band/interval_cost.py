@@ -29,6 +29,7 @@ SPEED_MPS, YAW_RATE_RADPS, TRACK_MPS = 0.01, 0.03, 0.01
 SPEED_STEP_MPS, YAW_RATE_STEP_RADPS = 0.005, 0.02
 CLEARANCE_M, MOVER_CLEARANCE_M = 0.03, 0.05
 SHORTEST_S, LONGEST_S = 0.05, 0.9
+SHORT_S, LONG_S = 0.005, 0.1
 # The last ones say what is liked: little time, smooth driving, and ahead.
 TIME_S, SMOOTH_MPS, SMOOTH_RADPS, REVERSE_MPS = 0.8, 1.0, 1.2, 0.2
 
@@ -78,25 +79,35 @@ def _drive_function() -> Any:
 
 def residuals_of(first: Expression, last: Expression, slots: Expression, parameters: Expression) -> list[Expression]:
     """Everything an interval and the node at its end are judged by, in sigmas."""
+    limits = [_beyond(excess) for excess in limits_of(first, last, parameters)]
+    return [*defects_of(first, last), *limits, *wishes_of(first, last, slots, parameters)]
+
+
+def limits_of(first: Expression, last: Expression, parameters: Expression) -> list[Expression]:
+    """By how much each limit is exceeded, in sigmas; negative within it."""
     p: dict[str, Expression] = dict(zip(PARAMETERS, casadi.vertsplit(parameters), strict=True))
-    step = last[5] - first[5]
-    speed, yaw_rate = last[3], last[4]
-    motion = [
-        *defects_of(first, last),
+    step, speed, yaw_rate = last[5] - first[5], last[3], last[4]
+    faster, turning = p["acceleration"] * step, p["yaw_acceleration"] * step
+    return [
         *_outside(speed, p["speed_min"], p["speed_max"], SPEED_MPS),
         *_outside(yaw_rate, -p["yaw_rate_max"], p["yaw_rate_max"], YAW_RATE_RADPS),
         *_outside(speed + p["half_gauge"] * yaw_rate, -p["track_speed"], p["track_speed"], TRACK_MPS),
         *_outside(speed - p["half_gauge"] * yaw_rate, -p["track_speed"], p["track_speed"], TRACK_MPS),
-        *_outside(speed - first[3], -p["acceleration"] * step, p["acceleration"] * step, SPEED_STEP_MPS),
-        *_outside(
-            yaw_rate - first[4], -p["yaw_acceleration"] * step, p["yaw_acceleration"] * step, YAW_RATE_STEP_RADPS
-        ),
-        _beyond(SHORTEST_S - step) / 0.005,
-        _beyond(step - LONGEST_S) / 0.1,
-        step / TIME_S,
-        (speed - first[3]) / SMOOTH_MPS,
-        (yaw_rate - first[4]) / SMOOTH_RADPS,
-        _beyond(-speed) / REVERSE_MPS,
+        *_outside(speed - first[3], -faster, faster, SPEED_STEP_MPS),
+        *_outside(yaw_rate - first[4], -turning, turning, YAW_RATE_STEP_RADPS),
+        (SHORTEST_S - step) / SHORT_S,
+        (step - LONGEST_S) / LONG_S,
+    ]
+
+
+def wishes_of(first: Expression, last: Expression, slots: Expression, parameters: Expression) -> list[Expression]:
+    """What may be traded against one another: time, smoothness, driving ahead, and room beyond what the check asks."""
+    p: dict[str, Expression] = dict(zip(PARAMETERS, casadi.vertsplit(parameters), strict=True))
+    liked = [
+        (last[5] - first[5]) / TIME_S,
+        (last[3] - first[3]) / SMOOTH_MPS,
+        (last[4] - first[4]) / SMOOTH_RADPS,
+        _beyond(-last[3]) / REVERSE_MPS,
     ]
     points = [
         _beyond(p["clearance"] - gap_to(last, slots[2 * index], slots[2 * index + 1], p)) / CLEARANCE_M
@@ -110,7 +121,7 @@ def residuals_of(first: Expression, last: Expression, slots: Expression, paramet
         gap = gap_to(last, x + x_rate * last[5], y + y_rate * last[5], p) - radius
         wanted = p["mover_clearance"] + p["mover_growth"] * last[5]
         movers.append(_beyond(wanted - gap) / MOVER_CLEARANCE_M)
-    return motion + points + movers
+    return liked + points + movers
 
 
 def way_and_turn(first: Expression, last: Expression) -> tuple[Expression, Expression]:
@@ -145,7 +156,7 @@ def gap_to(node: Expression, x: Expression, y: Expression, p: dict[str, Expressi
 
 
 def _outside(value: Expression, low: Expression, high: Expression, sigma: float) -> tuple[Expression, Expression]:
-    return _beyond(value - high) / sigma, _beyond(low - value) / sigma
+    return (value - high) / sigma, (low - value) / sigma
 
 
 def _beyond(value: Expression) -> Expression:

@@ -98,6 +98,11 @@ class BandOptimizer:
         }
         self._parameters.reshape(-1)[:] = [values[name] for name in PARAMETERS]
 
+    @property
+    def parameters(self) -> Array:
+        """Numbers (.,) of the band's functions, in the order of `PARAMETERS`."""
+        return self._parameters.reshape(-1).copy()
+
     def optimise(self, nodes: Array, end: BandEnd, associate: Association, iterations: int) -> Optimised:
         """The band near ``nodes`` (n + 1, 6) that costs least; its first node stays as it is.
 
@@ -126,7 +131,7 @@ class BandOptimizer:
             kept = gained * cost / -float(gradient @ step)
             damping, growth = max(damping * max(0.2, 1.0 - (2.0 * kept - 1.0) ** 3), _LEAST_DAMPING), 4.0
             best, cost = trial, trial_cost
-            if done % 2 == 0:
+            if done % 3 == 0:
                 self._slots[:intervals] = associate(best[1:])
                 cost, _ = self._evaluate(best, end)
             if not converged:

@@ -51,7 +51,7 @@ def route_along(
     farther = np.arange(usual, min(usual + BEYOND_M, length) + 1e-9, SEARCH_M)
     nearer = np.arange(usual - SEARCH_M, begin + LEAST_M, -SEARCH_M)
     places = np.concatenate([farther, nearer])
-    poses = np.array([_pose_at(path, arcs, float(arc)) for arc in places])
+    poses = _poses_at(path, arcs, places)
     still = Surroundings(surroundings.points, surroundings.segments, surroundings.thinned, np.zeros((0, 5)))
     room = clearances(np.zeros(len(poses)), poses, still, footprint, ROOMY_M)
     free = np.flatnonzero(room >= room_m)
@@ -106,12 +106,12 @@ def _projection(points: Array, arcs: Array, here: Array) -> float:
     return float(arcs[nearest] + share[nearest] * (arcs[nearest + 1] - arcs[nearest]))
 
 
-def _pose_at(path: Array, arcs: Array, arc: float) -> Array:
-    """Pose on the path: at its end the goal's own heading, before it the path's direction."""
-    if len(path) == 1 or arc >= arcs[-1] - 1e-9:
-        end: Array = path[-1].copy()
-        return end
-    place = [np.interp(arc, arcs, path[:, axis]) for axis in (0, 1)]
-    before, after = (np.array([np.interp(arc + step, arcs, path[:, axis]) for axis in (0, 1)]) for step in (-0.1, 0.1))
+def _poses_at(path: Array, arcs: Array, places: Array) -> Array:
+    """Poses (m, 3) on the path: at its end the goal's own heading, before it the path's direction."""
+    before, here, after = (
+        np.column_stack([np.interp(places + step, arcs, path[:, axis]) for axis in (0, 1)]) for step in (-0.1, 0.0, 0.1)
+    )
     direction = after - before
-    return np.array([*place, np.arctan2(direction[1], direction[0])])
+    poses = np.column_stack([here, np.arctan2(direction[:, 1], direction[:, 0])])
+    poses[places >= arcs[-1] - 1e-9] = path[-1]
+    return poses

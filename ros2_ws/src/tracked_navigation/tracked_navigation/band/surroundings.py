@@ -56,6 +56,11 @@ class Surroundings:
         along = [_points_on(segment) for segment in segments]
         return cls(points, segments, _thinned(np.concatenate([points, *along])), rows)
 
+    @classmethod
+    def none(cls) -> "Surroundings":
+        """Nothing is known to be there."""
+        return cls(np.zeros((0, 2)), np.zeros((0, 2, 2)), np.zeros((0, 2)), np.zeros((0, MOVER_FIELDS)))
+
     def around(self, nodes: Array) -> "Surroundings":
         """With the optimiser's points about the nodes (n, .) of a band only."""
         low, high = nodes[:, :2].min(axis=0) - AROUND_M, nodes[:, :2].max(axis=0) + AROUND_M

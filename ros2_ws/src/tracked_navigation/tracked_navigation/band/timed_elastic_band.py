@@ -28,10 +28,10 @@ class TimedElasticBand:
     if none of them may, the robot brakes to rest.
     """
 
-    def __init__(self, settings: BandSettings) -> None:
+    def __init__(self, settings: BandSettings, optimizer: BandOptimizer | None = None) -> None:
         self.settings = settings
         self.check = BandCheck(settings.footprint, settings.limits, settings.least_clearance_m)
-        self.optimizer = BandOptimizer(settings)
+        self.optimizer = optimizer or BandOptimizer(settings)
         self._contest = BandContest(settings, self.optimizer, self.check)
         self._memory = BandMemory()
 
@@ -59,16 +59,15 @@ class TimedElasticBand:
         if not np.isfinite([start.x_m, start.y_m, start.yaw_rad, twist.speed_mps, twist.yaw_rate_radps]).all():
             self.forget()
             return BandResult(None, NONE, "the robot's pose or velocity is not finite")
-        nothing = Surroundings.of(np.zeros((0, 2)), NO_SEGMENTS, (), stamp_ns=stamp_ns, frame_id=self.settings.frame_id)
         problem = _path_problem(path)
         if problem:
-            return self._stop(start, twist, nothing, stamp_ns, problem)
+            return self._stop(start, twist, Surroundings.none(), stamp_ns, problem)
         try:
             surroundings = Surroundings.of(
                 obstacles, segments, movers, stamp_ns=stamp_ns, frame_id=self.settings.frame_id
             )
         except BadSurroundings as error:
-            return self._stop(start, twist, nothing, stamp_ns, str(error))
+            return self._stop(start, twist, Surroundings.none(), stamp_ns, str(error))
         return self._planned(start, twist, path, surroundings, stamp_ns)
 
     def _planned(
