@@ -68,6 +68,15 @@ def test_failed_runs_are_counted_and_leave_their_pair_out():
     assert np.isnan(results.main.values["single"]["true.rms_x_m"][1])
 
 
+def test_a_campaign_that_is_not_done_says_how_many_seeds_are_whole():
+    rows = {key: run for key, run in stored().items() if run.seed < 7 or run.cell["pose"] == "lidar"}
+    figures = gather(SPEC, rows).figures()
+    assert (figures["odometry.whole_seeds"], figures["lidar.whole_seeds"]) == (2, 4)
+    assert figures["least_whole_seeds"] == 2
+    one_way = {key: run for key, run in rows.items() if run.way == "single"}
+    assert gather(SPEC, one_way).figures()["lidar.whole_seeds"] == 0
+
+
 def test_a_store_without_the_campaign_says_so():
     with pytest.raises(ValueError, match="no run of campaign c"):
         gather(SPEC, {})

@@ -71,11 +71,15 @@ def _covered(results: CampaignResults) -> str:
     return "unknown" if middle is None else f"{middle.median:.0f} % of its time, from the start on"
 
 
+def _seeds(cell: CellResults) -> str:
+    return f"{cell.whole_seeds} of {len(cell.seeds)} seeds"
+
+
 def _main_section(results: CampaignResults) -> Section:
     main = results.main
     words = ", ".join(f"{axis} {label}" for axis, label in main.cell) or "all runs"
     text = (
-        f"{words}. Each dot is the median over {len(main.seeds)} seeds of how much lower an error is than that of "
+        f"{words}. Each dot is the median over {_seeds(main)} of how much lower an error is than that of "
         f"{results.spec.baseline_name} on the same seed, with its 95 % bootstrap interval; true frame. Simulated."
     )
     return Section("Against the baseline", text, [_intervals(results, main)])
@@ -106,7 +110,9 @@ def _intervals(results: CampaignResults, cell: CellResults) -> Picture:
 def _cell_section(results: CampaignResults, cell: CellResults) -> Section:
     title = ", ".join(f"{axis} {label}" for axis, label in cell.cell) or "all runs"
     folded = cell is not results.main
-    return Section(title, "", [_table(results, cell, frame) for frame in ("true", "estimated")], folded=folded)
+    return Section(
+        title, f"{_seeds(cell)}.", [_table(results, cell, frame) for frame in ("true", "estimated")], folded=folded
+    )
 
 
 def _table(results: CampaignResults, cell: CellResults, frame: str) -> Table:

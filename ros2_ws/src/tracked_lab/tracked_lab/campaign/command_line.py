@@ -128,7 +128,7 @@ def _tell(results: CampaignResults, store: RunStore, name: str) -> int:
             text = "-" if middle is None else f"{1e3 * middle.median:.1f}"
             row.append(text if lower is None or way == baseline else f"{text} ({-lower.median:+.0f} %)")
         rows.append(row)
-    print(f"\n{main.label}, true frame, medians over {len(main.seeds)} seeds")
+    print(f"\n{main.label}, true frame, medians over {main.whole_seeds} of {len(main.seeds)} seeds")
     headers = ("", "RMS x (mm)", "RMS y (mm)", "RMS heading (mrad)")
     print(render_table(rows, headers, ("left", "right", "right", "right")))
     print(f"{results.done} of {results.planned} runs, {results.filled}")

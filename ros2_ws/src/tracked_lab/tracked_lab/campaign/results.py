@@ -32,6 +32,14 @@ class CellResults:
         """The labels, as part of a key."""
         return ".".join(label for _, label in self.cell) or "all"
 
+    @property
+    def whole_seeds(self) -> int:
+        """Seeds for which every way has figures: less than all while a campaign is not done."""
+        driven = [
+            np.logical_or.reduce([np.isfinite(each) for each in own.values()]) for own in self.values.values() if own
+        ]
+        return int(np.logical_and.reduce(driven).sum()) if len(driven) == len(self.values) else 0
+
     def median(self, way: str, metric: str) -> Interval | None:
         """Median of one figure; None without any, and where most runs never recovered.
 
@@ -83,8 +91,10 @@ class CampaignResults:
     def figures(self) -> dict[str, float]:
         """Flat figures: ``<cell>.<way>.<metric>``, medians, reductions with their intervals, and counts."""
         found: dict[str, float] = {"runs": self.done, "planned": self.planned, "failed": len(self.failed)}
+        found["least_whole_seeds"] = min(results.whole_seeds for results in self.cells)
         baseline = self.spec.baseline_name
         for results in self.cells:
+            found[f"{results.label}.whole_seeds"] = results.whole_seeds
             for way in self.spec.ways:
                 for metric in results.values[way]:
                     middle = results.median(way, metric)
