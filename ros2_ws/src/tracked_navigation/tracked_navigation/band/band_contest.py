@@ -20,7 +20,7 @@ from tracked_types import Pose2, Twist2, wrap_angle
 Array = NDArray[np.float64]
 FOLLOWED = "as before"
 _SCREENING, _REFINING = 5, 12  # iterations, to see what a band is worth and to pull it tight
-_MOST_ITERATIONS = 40  # of one update; what has not been tried by then has its turn at the next
+_MOST_ITERATIONS = 30  # of one update; what has not been tried by then has its turn at the next
 _BRAKING_POINTS = (0.75, 0.4, 0.15)  # share of the time until a band must not be followed any more
 _LEAST_DRIVE_S = 0.1
 _SLOWER_SHARE = 0.5

@@ -17,7 +17,7 @@ from tracked_types import Pose2, Twist2, wrap_angle
 Array = NDArray[np.float64]
 USUAL_STEP_S = 0.27  # between two poses
 FEWEST = 8
-MOST_WAYS = 5
+MOST_WAYS = 4
 _BLOCKERS = 2  # whose sides are combined; farther ones are met by a later band
 _BACKWARDS_M = 0.8  # to an end no farther than this the robot may also drive in reverse
 _LEAST_S = 0.6
