@@ -64,14 +64,10 @@ def errors_of(name: str, seeds: int | None, workers: int) -> CampaignResults:
     """Run what is missing of a campaign, and publish its own report."""
     spec = load_spec(name)
     if seeds:
-        axes = {axis: {label: spec.axes[axis][label]} for axis, label in spec.main.items()}
-        less = {"seeds": spec.seeds.model_copy(update={"count": seeds}), "axes": spec.axes | axes}
-        spec = spec.model_copy(update=less)
+        spec = spec.main_part().model_copy(update={"seeds": spec.seeds.model_copy(update={"count": seeds})})
     store = RunStore(output_folder() / "campaigns" / spec.name)
     results = run_campaign(spec, store, scheduler=None, workers=workers)
-    keys = {planned.key for planned in spec.runs()}
-    published = [run for key, run in store.runs().items() if key in keys]
-    _, page = publish_campaign(results, published, f"{name}_quick" if seeds else None)
+    _, page = publish_campaign(results, f"{name}_quick" if seeds else None)
     print(page)
     return results
 

@@ -51,14 +51,18 @@ def texts(heard):
 
 
 def test_everything_is_played_once_readers_are_there_with_the_time_of_recording_and_then_it_ends(bag, play, probe):
-    process = play(bag, "rate:=2.0", "wait_for_readers:=[numbers]", more=("-r", "numbers:=old/numbers"))
+    process = play(bag, "rate:=2.0", "wait_for_readers:=[numbers, fact]", more=("-r", "numbers:=old/numbers"))
     probe.wait_until(lambda: "replay" in probe.node.get_node_names(), timeout_s=START_LIMIT_S, what="the replay")
     probe.spin(0.3)
-    arrived = []
-    numbers, clock = probe.collect(String, "old/numbers", DEEP), probe.collect(Clock, "clock", DEEP)
-    facts = probe.collect(Bool, "fact", DEEP)
-    probe.node.create_subscription(String, "old/numbers", lambda _message: arrived.append(time.monotonic()), DEEP)
-    probe.wait_until(lambda: len(arrived) == 50, what="fifty numbers")
+    clock, facts = probe.collect(Clock, "clock", DEEP), probe.collect(Bool, "fact", DEEP)
+    numbers, arrived = [], []
+
+    def note(message):
+        numbers.append(message)
+        arrived.append(time.monotonic())
+
+    probe.node.create_subscription(String, "old/numbers", note, DEEP)
+    probe.wait_until(lambda: len(numbers) == 50, what="fifty numbers")
     assert process.wait() == 0
     assert "51 messages played" in process.output
     assert texts(numbers) == list(range(50)) and len(facts) == 1

@@ -14,6 +14,7 @@ os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
 
 import numpy as np
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.context import Context
@@ -156,6 +157,16 @@ class Graph:
     def plain(self, name: str) -> Any:
         """A plain rclpy node."""
         return self.add(lambda **options: rclpy.create_node(name, **options))
+
+    def statuses(self) -> dict[str, Any]:
+        """Newest diagnostic status by name, growing while the graph spins."""
+        newest: dict[str, Any] = {}
+
+        def collect(message: DiagnosticArray) -> None:
+            newest.update({status.name: status for status in message.status})
+
+        self.plain("monitor").create_subscription(DiagnosticArray, "diagnostics", collect, 10)
+        return newest
 
     def spin_until(self, condition: Callable[[], Any], what: str) -> Any:
         """Serve until ``condition()`` holds; returns what it returned."""

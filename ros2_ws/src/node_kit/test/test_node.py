@@ -9,10 +9,8 @@ from geometry_msgs.msg import TwistStamped
 from rcl_interfaces.msg import ParameterType
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
-from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 from std_srvs.srv import Trigger
-from tf2_msgs.msg import TFMessage
 
 from node_kit import (
     BadParameterError,
@@ -20,13 +18,10 @@ from node_kit import (
     Parameter,
     ParameterTable,
     RejectedMessage,
-    RigidTransform,
     StackNode,
-    TransformListener,
     qos,
 )
 from node_kit.conversions import (
-    clock_to_message,
     command_from_message,
     command_to_message,
     imu_from_message,
@@ -86,17 +81,6 @@ class StrictNode(EchoNode):
         )
 
 
-def statuses(graph, node, topic="diagnostics"):
-    """Newest diagnostic status by name, growing while the graph spins."""
-    newest = {}
-
-    def collect(message):
-        newest.update({status.name: status for status in message.status})
-
-    node.create_subscription(DiagnosticArray, topic, collect, 10)
-    return newest
-
-
 @pytest.fixture
 def imu_message(families):
     return imu_to_message(families["imu"][0])
@@ -129,7 +113,7 @@ def test_value_in_value_out(graph, source, imu_message):
 
 def test_malformed_messages_are_counted_with_reason_and_sender(graph, source, imu_message):
     echo = graph.add(EchoNode)
-    newest = statuses(graph, graph.plain("monitor"))
+    newest = graph.statuses()
     imu_message.angular_velocity.y = math.nan
     for _ in range(3):
         source(imu_message)
@@ -149,7 +133,7 @@ def test_malformed_messages_are_counted_with_reason_and_sender(graph, source, im
 
 def test_diagnostics_tell_how_many_publishers_each_input_hears(graph):
     graph.add(EchoNode)
-    newest = statuses(graph, graph.plain("monitor"))
+    newest = graph.statuses()
 
     def heard():
         status = newest.get("echo: connections")
@@ -162,7 +146,7 @@ def test_diagnostics_tell_how_many_publishers_each_input_hears(graph):
 
 def test_wrong_frame_is_rejected_where_one_is_expected(graph, imu_message):
     strict = graph.add(StrictNode, "-p", "frame_prefix:=robot1/")
-    newest = statuses(graph, graph.plain("monitor"))
+    newest = graph.statuses()
     publisher = graph.plain("imu_driver").create_publisher(Imu, "imu/strict", qos.SENSOR)
     graph.spin_until(publisher.get_subscription_count, "a reader")
     publisher.publish(imu_message)
@@ -175,7 +159,7 @@ def test_wrong_frame_is_rejected_where_one_is_expected(graph, imu_message):
 
 def test_failing_callback_is_reported_and_the_next_message_served(graph, source, imu_message):
     echo = graph.add(EchoNode)
-    newest = statuses(graph, graph.plain("monitor"))
+    newest = graph.statuses()
     echo.fault = ZeroDivisionError("no way")
     source(imu_message)
     graph.spin_until(lambda: "echo: callbacks" in newest, "a report of the failure")
@@ -189,7 +173,7 @@ def test_failing_callback_is_reported_and_the_next_message_served(graph, source,
 
 def test_callback_may_reject_a_value_itself(graph, source, imu_message):
     echo = graph.add(EchoNode)
-    newest = statuses(graph, graph.plain("monitor"))
+    newest = graph.statuses()
     echo.fault = RejectedMessage("stamp goes back")
     source(imu_message)
     graph.spin_until(lambda: "echo: inputs" in newest, "a report")
@@ -233,7 +217,7 @@ def test_bad_parameter_stops_the_start_with_its_name(graph, arguments, reason):
 
 
 def test_unknown_parameter_is_a_warning_and_no_reason_to_stop(graph):
-    newest = statuses(graph, graph.plain("monitor"))
+    newest = graph.statuses()
     assert graph.add(EchoNode, "-p", "gian:=2.0").value("gain") == 1.0
     graph.spin_until(lambda: "echo: parameters" in newest, "a warning")
     assert newest["echo: parameters"].message == "parameter gian is unknown (did you mean gain?); ignored"
@@ -286,87 +270,3 @@ def test_base_class_hides_nothing_of_a_ros_node(graph):
     assert not {"exit_code", "typed_publishers", "diagnostics", "_table_values", "_monitor", "_failures"} & set(
         dir(Node)
     )
-
-
-class Traveller(StackNode):
-    """Sends one moving and two static transforms."""
-
-    NAME = "traveller"
-
-    def travel(self, x, stamp_ns):
-        self.transforms.send(self.frame("odom"), self.frame("base"), x, 0.0, 0.0, 0.0, 0.0, 0.0, stamp_ns)
-
-    def stand(self):
-        self.transforms.send_static(self.frame("base"), self.frame("laser"), 0.1, 0.0, 0.2, 0.0, 0.0, 0.0)
-        self.transforms.send_static(self.frame("base"), self.frame("imu"), 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-
-
-class Watcher(StackNode):
-    """Listens to transforms."""
-
-    NAME = "watcher"
-
-    def __init__(self, **options) -> None:
-        super().__init__(**options)
-        self.listener = TransformListener(self)
-
-
-def known(buffer, *query):
-    try:
-        return buffer.lookup(*query)
-    except LookupError:
-        return None
-
-
-def test_two_robots_in_two_namespaces_keep_apart(graph):
-    robots = {}
-    for name, x in (("robot1", 1.0), ("robot2", 2.0)):
-        arguments = ("-r", f"__ns:=/{name}", "-p", f"frame_prefix:={name}/")
-        robots[name] = traveller, watcher = graph.add(Traveller, *arguments), graph.add(Watcher, *arguments)
-        traveller.stand()
-        traveller.travel(x, 5)
-        graph.spin_until(
-            lambda watcher=watcher, name=name: known(watcher.listener.buffer, f"{name}/base", f"{name}/imu"),
-            "static transforms",
-        )
-    for name, x in (("robot1", 1.0), ("robot2", 2.0)):
-        traveller, watcher = robots[name]
-
-        def arrived(traveller=traveller, watcher=watcher, name=name, x=x):
-            traveller.travel(x, 5)
-            return known(watcher.listener.buffer, f"{name}/odom", f"{name}/laser", 5)
-
-        assert graph.spin_until(arrived, "a moving transform").translation_m[0] == pytest.approx(x + 0.1)
-        other = "robot2" if name == "robot1" else "robot1"
-        assert known(watcher.listener.buffer, f"{other}/base", f"{other}/imu") is None
-
-
-def test_late_listener_gets_all_static_transforms(graph):
-    graph.add(Traveller).stand()
-    watcher = graph.add(Watcher)
-    graph.spin_until(lambda: known(watcher.listener.buffer, "laser", "imu"), "static transforms")
-
-
-def test_malformed_transform_is_rejected(graph):
-    watcher = graph.add(Watcher)
-    newest = statuses(graph, graph.plain("monitor"))
-    publisher = graph.plain("liar").create_publisher(TFMessage, "tf", 10)
-    graph.spin_until(publisher.get_subscription_count, "the listener")
-    traveller = graph.add(Traveller)
-    traveller.travel(math.nan, 5)
-    graph.spin_until(lambda: "watcher: inputs" in newest, "a report")
-    assert "not finite: translation.x" in newest["watcher: inputs"].message
-    assert known(watcher.listener.buffer, "odom", "base") is None
-
-
-def test_listener_forgets_motion_when_simulated_time_jumps_back(graph):
-    watcher = graph.add(Watcher, "-p", "use_sim_time:=true")
-    watcher.listener.buffer.add_static("base", "laser", RigidTransform.identity())
-    watcher.listener.buffer.add("odom", "base", RigidTransform.identity(), 100 * 10**9)
-    publisher = graph.plain("simulator").create_publisher(Clock, "/clock", 10)
-    graph.spin_until(publisher.get_subscription_count, "the watcher's clock")
-    for seconds in (100, 1):
-        publisher.publish(clock_to_message(seconds * 10**9))
-        graph.spin_until(lambda s=seconds: watcher.get_clock().now().nanoseconds == s * 10**9, "the time")
-    assert known(watcher.listener.buffer, "odom", "base") is None
-    assert known(watcher.listener.buffer, "base", "laser") is not None

@@ -88,7 +88,7 @@ def test_page_and_figures_say_when_the_runs_were_made_and_what_failed(tmp_path, 
 
     monkeypatch.setenv("TRACKED_OUT", str(tmp_path))
     rows = stored(fails)
-    metrics, page = publish_campaign(gather(SPEC, rows), list(rows.values()))
+    metrics, page = publish_campaign(gather(SPEC, rows))
     assert read_metrics(metrics).values["failed"] == 2.0
     text = page.read_text()
     assert "made 2026-01-01T00:00:00+00:00 to 2026-01-04" in text and "by commit abc" in text

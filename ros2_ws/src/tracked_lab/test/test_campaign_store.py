@@ -67,7 +67,7 @@ def test_a_full_disk_is_one_sentence_and_what_was_there_stays(tmp_path, monkeypa
     def full(_path, _content):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(run_store, "_write_whole", full)
+    monkeypatch.setattr(run_store, "write_whole", full)
     with pytest.raises(StoreError, match="the disk is full"):
         store.add([stored("b")])
     assert list(store.runs()) == ["a"]

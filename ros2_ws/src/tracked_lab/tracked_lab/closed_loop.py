@@ -37,6 +37,8 @@ class ClosedLoop:
         self._stack = stack
         self._links = links or LinkScheduler(Conditions().links, 0)
         self._lidar_pose = lidar_pose
+        if lidar_pose is not None:
+            stack.filter.expect_poses()
         self._oracle = oracle_slip
         self._true_slip: dict[int, Slip] = {}
         self._reactions: list[Reaction] = []

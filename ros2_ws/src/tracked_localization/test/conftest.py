@@ -28,6 +28,11 @@ class Tick:
     twist: Twist2
     slip: Slip
 
+    @property
+    def samples(self) -> list[ImuSample | TrackSample]:
+        """What the sensors say in it."""
+        return [self.imu] if self.tracks is None else [self.imu, self.tracks]
+
 
 def wandering(seed: int) -> Callable[[float], tuple[float, float]]:
     """Rest, then cruising, curves, spot turns and stops of a second or two."""
@@ -159,10 +164,7 @@ def crawler(robot) -> Callable[..., SyntheticCrawler]:
 def feed() -> Callable:
     """``feed(filter, ticks, corrupt)``: estimates; ``corrupt(tick)`` gives the samples that arrive instead."""
 
-    def whole(tick: Tick) -> list:
-        return [tick.imu] if tick.tracks is None else [tick.imu, tick.tracks]
-
-    def run(odometry_filter: OdometryFilter, ticks, corrupt=whole) -> list:
+    def run(odometry_filter: OdometryFilter, ticks, corrupt=lambda tick: tick.samples) -> list:
         estimates = []
         for tick in ticks:
             for sample in corrupt(tick):

@@ -12,7 +12,7 @@ from tracked_types.command import VelocityCommand
 from tracked_types.goal import GoalReached
 from tracked_types.imu import ImuSample
 from tracked_types.mover import Mover
-from tracked_types.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
+from tracked_types.occupancy_map import FREE, OCCUPIED, OCCUPIED_PERCENT, UNKNOWN, OccupancyMap
 from tracked_types.odometry import Odometry
 from tracked_types.outline import Outline, OutlineKind
 from tracked_types.period_grid import PeriodGrid
@@ -34,6 +34,7 @@ __all__ = [
     "LEFT_TRACK",
     "NANOSECONDS_PER_SECOND",
     "OCCUPIED",
+    "OCCUPIED_PERCENT",
     "PIPELINE_LATENCY_S",
     "PLAN_RATE_HZ",
     "RIGHT_TRACK",

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from tracked_types.pose import Pose2
 
 UNKNOWN, FREE, OCCUPIED = -1, 0, 100
+OCCUPIED_PERCENT = 65
+"""From this chance on a cell counts as occupied, as in map_server's defaults."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +43,18 @@ class OccupancyMap:
         """Row and column, (n, 2), of points (n, 2) of the map's frame; they may lie outside the grid."""
         along = self.origin.inverse().transform(points_m)
         return np.floor(along[:, ::-1] / self.resolution_m).astype(np.intp)
+
+    @property
+    def occupied(self) -> NDArray[np.bool_]:
+        """Which cells count as occupied, (height, width)."""
+        return self.occupancy >= OCCUPIED_PERCENT
+
+    def look_up(self, points_m: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:
+        """Row (n,), column (n,) of points (n, 2) of the map's frame and whether they lie on it; (0, 0) where not."""
+        cells = self.cells_of(points_m)
+        inside = np.all((cells >= 0) & (cells < self.occupancy.shape), axis=1)
+        row, column = np.where(inside[:, None], cells, 0).T
+        return row, column, np.asarray(inside)
 
     def centres_of(self, cells: NDArray[np.intp]) -> NDArray[np.float64]:
         """Centres (n, 2) in the map's frame of cells (n, 2), each row and column."""

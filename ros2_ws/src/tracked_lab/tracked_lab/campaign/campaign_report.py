@@ -2,6 +2,7 @@
 
 import csv
 import io
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -23,18 +24,18 @@ _TITLES = {
 }
 
 
-def publish_campaign(results: CampaignResults, stored: list[StoredRun], name: str | None = None) -> tuple[Path, Path]:
+def publish_campaign(results: CampaignResults, name: str | None = None) -> tuple[Path, Path]:
     """Write ``out/<name>/{metrics.json, report.html, runs.csv}``; paths of the first two."""
     name = name or results.spec.name
     values = results.figures()
     metrics = write_metrics(name, values, seed=results.spec.seeds.first)
     folder = output_folder() / name
-    write_whole(folder / "runs.csv", _csv(stored))
+    write_whole(folder / "runs.csv", _csv(results.runs))
     return metrics, write_whole(folder / "report.html", render_html(_report(results)))
 
 
-def _csv(stored: list[StoredRun]) -> str:
-    rows = rows_of(stored)
+def _csv(runs: Sequence[StoredRun]) -> str:
+    rows = rows_of(runs)
     columns = list(dict.fromkeys(column for row in rows for column in row))
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")
@@ -56,7 +57,7 @@ def _report(results: CampaignResults) -> Report:
             headlines.append(Headline(f"{-lower.median:+.0f} %, {-turn.median:+.0f} %", label))
     sections = [_main_section(results), *[_cell_section(results, cell) for cell in results.cells]]
     facts = [
-        ("runs", f"{results.done} of {results.planned}"),
+        ("runs", f"{len(results.runs)} of {results.planned}"),
         ("seeds", f"{spec.seeds.first} to {spec.seeds.values()[-1]}"),
         ("without figures", str(len(results.failed))),
         ("results", results.filled),

@@ -107,17 +107,16 @@ def _run(options: argparse.Namespace) -> int:
         seeds, cells = spec.seeds.count - part.seeds.count, len(spec.cells()) - len(part.cells())
         print(f"left out: {max(seeds, 0)} of {spec.seeds.count} seeds, {cells} of {len(spec.cells())} cells")
     results = run_campaign(part, store, scheduler=options.scheduler, workers=options.workers, again=options.again)
-    return _tell(results, store, f"{spec.name}_quick" if options.quick else spec.name)
+    return _tell(results, f"{spec.name}_quick" if options.quick else spec.name)
 
 
 def _report(options: argparse.Namespace) -> int:
     spec, store = _opened(options)
-    return _tell(gather(spec, store.runs()), store, spec.name)
+    return _tell(gather(spec, store.runs()), spec.name)
 
 
-def _tell(results: CampaignResults, store: RunStore, name: str) -> int:
-    stored, keys = store.runs(), {planned.key for planned in results.spec.runs()}
-    metrics, page = publish_campaign(results, [run for key, run in stored.items() if key in keys], name)
+def _tell(results: CampaignResults, name: str) -> int:
+    metrics, page = publish_campaign(results, name)
     main, baseline = results.main, results.spec.baseline_name
     names = ("true.rms_x_m", "true.rms_y_m", "true.rms_theta_rad")
     rows = []
@@ -131,7 +130,7 @@ def _tell(results: CampaignResults, store: RunStore, name: str) -> int:
     print(f"\n{main.label}, true frame, medians over {main.whole_seeds} of {len(main.seeds)} seeds")
     headers = ("", "RMS x (mm)", "RMS y (mm)", "RMS heading (mrad)")
     print(render_table(rows, headers, ("left", "right", "right", "right")))
-    print(f"{results.done} of {results.planned} runs, {results.filled}")
+    print(f"{len(results.runs)} of {results.planned} runs, {results.filled}")
     for run in results.failed[:5]:
         print(f"{run.status}: {run.way}, seed {run.seed}, key {run.key}: {run.error.strip().splitlines()[-1]}")
     print(f"\n{metrics}\n{page}")
@@ -143,11 +142,8 @@ def _status(options: argparse.Namespace) -> int:
     stored, planned = store.runs(), [run.key for run in spec.runs()]
     count = Counter(stored[key].status if key in stored else "missing" for key in planned)
     print(", ".join(f"{number} {status}" for status, number in sorted(count.items())))
-    if any(key in stored for key in planned):
-        print(
-            f"filled between {min(run.created for run in stored.values())} and "
-            f"{max(run.created for run in stored.values())}"
-        )
+    if count["ok"]:
+        print(gather(spec, stored).filled)
     return 0
 
 

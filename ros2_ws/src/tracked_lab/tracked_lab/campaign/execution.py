@@ -16,7 +16,12 @@ from tracked_lab.campaign.runs_under_way import Plan, RunsUnderWay, SchedulerErr
 _SAVE_EVERY_S = 1.0
 _CONNECT_S = 10.0
 # A worker holds one run: if it dies, only that run is suspected, and it is given up after taking three down.
-_LOCAL = {"distributed.scheduler.worker-saturation": 1.0, "distributed.scheduler.allowed-failures": 2}
+# The cluster must not give up a worker that died: it looks once, and ends one that is starting again just then.
+_LOCAL = {
+    "distributed.scheduler.worker-saturation": 1.0,
+    "distributed.scheduler.allowed-failures": 2,
+    "distributed.deploy.lost-worker-timeout": "365 days",
+}
 _LOADED = [perform.__module__]  # before a worker counts as there: loading takes seconds, which are no run's time
 Told = Callable[[StoredRun], None]
 

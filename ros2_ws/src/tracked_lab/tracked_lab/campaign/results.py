@@ -71,14 +71,25 @@ class CellResults:
 
 @dataclass(frozen=True, slots=True)
 class CampaignResults:
-    """All cells, and the runs that have no figures. filled: when, and by which commits of the code."""
+    """All cells. runs: those of the spec that the store has; planned: how many there are to be."""
 
     spec: CampaignSpec
     cells: tuple[CellResults, ...]
-    failed: tuple[StoredRun, ...]
-    done: int
+    runs: tuple[StoredRun, ...]
     planned: int
-    filled: str = ""
+
+    @property
+    def failed(self) -> tuple[StoredRun, ...]:
+        """Runs that have no figures."""
+        return tuple(run for run in self.runs if not run.ok)
+
+    @property
+    def filled(self) -> str:
+        """When the runs were made, and by which commits of the code."""
+        times, commits = sorted(run.created for run in self.runs if run.created), {run.commit for run in self.runs}
+        if not times:
+            return "made at no known time"
+        return f"made {times[0]} to {times[-1]} by commit {', '.join(sorted(commits - {''}))}"
 
     @property
     def main(self) -> CellResults:
@@ -90,7 +101,7 @@ class CampaignResults:
 
     def figures(self) -> dict[str, float]:
         """Flat figures: ``<cell>.<way>.<metric>``, medians, reductions with their intervals, and counts."""
-        found: dict[str, float] = {"runs": self.done, "planned": self.planned, "failed": len(self.failed)}
+        found: dict[str, float] = {"runs": len(self.runs), "planned": self.planned, "failed": len(self.failed)}
         found["least_whole_seeds"] = min(results.whole_seeds for results in self.cells)
         baseline = self.spec.baseline_name
         for results in self.cells:
@@ -143,13 +154,7 @@ def gather(spec: CampaignSpec, stored: Mapping[str, StoredRun]) -> CampaignResul
                 column = values[inputs.way].setdefault(metric, np.full(len(seeds), np.nan))
                 column[place[inputs.scenario.seed]] = value
         cells.append(CellResults(tuple(cell.items()), seeds, values))
-    failed = tuple(run for _, run in runs if not run.ok)
-    return CampaignResults(spec, tuple(cells), failed, len(runs), len(planned), _filled([run for _, run in runs]))
-
-
-def _filled(runs: Sequence[StoredRun]) -> str:
-    times, commits = sorted(run.created for run in runs if run.created), sorted({run.commit for run in runs} - {""})
-    return f"made {times[0]} to {times[-1]} by commit {', '.join(commits)}" if times else "made at no known time"
+    return CampaignResults(spec, tuple(cells), tuple(run for _, run in runs), len(planned))
 
 
 def rows_of(stored: Sequence[StoredRun]) -> list[dict[str, object]]:

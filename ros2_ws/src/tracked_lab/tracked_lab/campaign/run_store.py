@@ -3,7 +3,6 @@
 import errno
 import itertools
 import json
-import os
 import uuid
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields
@@ -14,6 +13,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from tracked_lab.campaign.run_inputs import FORMAT
+from tracked_report.whole_file import write_whole
 
 _MOST_PARTS = 64  # small ones, before they are joined
 _LARGE_ROWS = 2000
@@ -84,7 +84,7 @@ class RunStore:
             if not marker.exists():
                 if any(folder.glob("*.parquet")):
                     raise StoreError(f"{folder}: holds Parquet files that no campaign wrote; give another folder")
-                _write_whole(marker, json.dumps({"format": FORMAT}).encode())
+                write_whole(marker, json.dumps({"format": FORMAT}))
             found = json.loads(marker.read_text()).get("format")
         except OSError as error:
             raise StoreError(f"{folder}: cannot be used as a store ({error.strerror})") from error
@@ -132,7 +132,7 @@ class RunStore:
         sink = pa.BufferOutputStream()
         pq.write_table(pa.Table.from_pylist(rows, schema=_SCHEMA), sink, compression="zstd")
         try:
-            _write_whole(self.folder / name, sink.getvalue().to_pybytes())
+            write_whole(self.folder / name, sink.getvalue().to_pybytes())
         except OSError as error:
             reason = "the disk is full" if error.errno == errno.ENOSPC else error.strerror
             raise StoreError(f"{self.folder}: results cannot be written ({reason}); what was there is kept") from error
@@ -149,17 +149,3 @@ class RunStore:
 
 def _packed(run: StoredRun) -> dict[str, Any]:
     return asdict(run) | {"cell": json.dumps(dict(run.cell)), "values": json.dumps(dict(run.values))}
-
-
-def _write_whole(path: Path, content: bytes) -> None:
-    """Through a neighbour whose name nobody reads as a part."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        with temporary.open("wb") as stream:
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        temporary.replace(path)
-    except OSError:
-        temporary.unlink(missing_ok=True)
-        raise

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from distributed import Client, wait
+from distributed import Client, Status, wait
 from distributed.client import ClosedClientError
 from distributed.scheduler import KilledWorker
 
@@ -19,6 +19,7 @@ from tracked_lab.campaign.run_store import StoredRun
 _PER_WORKER = 4  # runs that are handed out ahead
 _STUCK_GRACE_S = 15.0
 _LONGEST_LOOK_S = 2.0
+_OVER = (Status.closed, Status.failed)
 
 
 class SchedulerError(RuntimeError):
@@ -66,8 +67,23 @@ class RunsUnderWay:
             for future in self._ended_by_force():
                 planned = self._handed.pop(future)
                 rows.append(self._failure(planned, "timeout", "stuck in a call; its worker was ended"))
+            self._restore_workers()
             self._hand_out()
         return rows
+
+    def _restore_workers(self) -> None:
+        """Replace local workers whose nanny gave them up, as it does if one dies while it starts.
+
+        Workers of somebody else's scheduler are not ours to start.
+        """
+        cluster = self._client.cluster
+        if cluster is None:
+            return
+        given_up = [name for name, nanny in cluster.workers.items() if nanny.status in _OVER]
+        for name in given_up:
+            del cluster.workers[name]
+        if given_up:
+            cluster.scale(len(cluster.worker_spec))
 
     def _hand_out(self) -> None:
         workers = max(len(self._client.scheduler_info(n_workers=-1)["workers"]), 1)

@@ -13,7 +13,6 @@ from tracked_types import FREE, OccupancyMap, Pose2, wrap_angle
 from tracked_types.setting import check_settings, setting
 
 Array = NDArray[np.float64]
-_OCCUPIED_PERCENT = 65
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,13 +75,13 @@ def _coarse(occupancy_map: OccupancyMap, hits: Array, settings: SearchSettings) 
     """Places (p, 2), headings (h,) and how well the hits fit at each, (p, h)."""
     free = np.argwhere(occupancy_map.occupancy == FREE)
     if not len(free):
-        free = np.argwhere((occupancy_map.occupancy >= 0) & (occupancy_map.occupancy < _OCCUPIED_PERCENT))
+        free = np.argwhere((occupancy_map.occupancy >= 0) & ~occupancy_map.occupied)
     if not len(free):
         raise ValueError("the map has no free cell")
     stride = max(1, round(settings.search_step_m / occupancy_map.resolution_m))
     places = occupancy_map.centres_of(free[(free % stride == 0).all(axis=1)])
     headings = np.arange(-np.pi, np.pi, settings.search_step_rad)
-    vacant = (occupancy_map.occupancy < _OCCUPIED_PERCENT).astype(np.uint8)
+    vacant = (~occupancy_map.occupied).astype(np.uint8)
     distance = cv2.distanceTransform(vacant, cv2.DIST_L2, 3) * occupancy_map.resolution_m
     # A place may be half a step off, and its heading half a step turned: be as tolerant as that.
     fit = np.exp(-0.5 * (distance / (0.6 * settings.search_step_m)) ** 2).astype(np.float32)
@@ -124,10 +123,8 @@ def _through_walls(occupancy_map: OccupancyMap, points: ScanPoints, pose: Pose2)
     lengths = np.hypot(*(points.hits - origin).T)
     short_of = np.maximum(lengths - 4.0 * occupancy_map.resolution_m, 0.0) / np.maximum(lengths, 1e-9)
     samples = origin + (shares * short_of[:, None])[:, :, None] * (points.hits - origin)[:, None, :]
-    cells = occupancy_map.cells_of(pose.transform(samples.reshape(-1, 2)))
-    inside = np.all((cells >= 0) & (cells < occupancy_map.occupancy.shape), axis=1)
-    row, column = np.where(inside[:, None], cells, 0).T
-    blocked: NDArray[np.bool_] = inside & (occupancy_map.occupancy[row, column] >= _OCCUPIED_PERCENT)
+    row, column, inside = occupancy_map.look_up(pose.transform(samples.reshape(-1, 2)))
+    blocked = inside & occupancy_map.occupied[row, column]
     return float(np.any(blocked.reshape(len(points.hits), -1), axis=1).mean())
 
 

@@ -26,9 +26,6 @@ class LocaliserSettings:
     drift_rad_per_m: float = setting(
         0.02, "standard deviation of odometry's heading per metre driven", unit="rad", low=1e-4, high=2.0
     )
-    least_agreement: float = setting(
-        0.5, "share of a scan's points that must lie on the map for the scan to be used", low=0.0, high=1.0
-    )
     surprise: float = setting(
         3.0,
         "a scan that fits more standard deviations away than this shows that odometry was worse than thought: the pose "
@@ -144,10 +141,9 @@ class Localiser:
     def _correct(self, match: Match) -> str:
         """Weigh the match against the carried pose; the reason if it is not used."""
         settings = self._settings
-        if match.seen == 0:
-            return "the scan shows nothing of the map"
-        if match.agreement < settings.least_agreement:
-            return f"only {match.agreement:.0%} of the scan lies on the map"
+        doubt = match.doubt(self._matching)
+        if doubt:
+            return doubt
         offset = match.pose.as_array() - self._pose.as_array()
         offset[2] = wrap_angle(float(offset[2]))
         # Points of one scan err together: their information has an end. What is unseen stays unseen.

@@ -14,11 +14,8 @@ from tracked_types.setting import check_settings, setting
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapperSettings:
-    """When a scan is trusted, and how often the map it is laid over is renewed."""
+    """How far a match may lead, and how often the map it is laid over is renewed."""
 
-    least_agreement: float = setting(
-        0.5, "share of a scan's points that must lie on the map for the match to count", low=0.0, high=1.0
-    )
     most_correction_m: float = setting(
         0.5, "a match farther than this from where odometry says is not believed", unit="m", low=0.01, high=10.0
     )
@@ -103,9 +100,9 @@ class Mapper:
         return self.grid.as_map()
 
     def _doubt(self, match: Match, guess: Pose2) -> str:
-        settings = self._settings
-        if match.agreement < settings.least_agreement:
-            return f"only {match.agreement:.0%} of the scan lies on the map"
+        settings, doubt = self._settings, match.doubt(self._matching)
+        if doubt:
+            return doubt
         distance_m = float(np.hypot(match.pose.x_m - guess.x_m, match.pose.y_m - guess.y_m))
         turn_rad = abs(wrap_angle(match.pose.yaw_rad - guess.yaw_rad))
         if distance_m > settings.most_correction_m or turn_rad > settings.most_correction_rad:

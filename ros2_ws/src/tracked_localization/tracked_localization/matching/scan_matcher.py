@@ -26,6 +26,9 @@ class MatchSettings:
     match_deviation_m: float = setting(
         0.01, "standard deviation that a point's distance has at least", unit="m", low=1e-4, high=1.0
     )
+    match_agreement: float = setting(
+        0.5, "share of a scan's points that must lie on the map for the match to count", low=0.0, high=1.0
+    )
     match_observable: float = setting(
         0.02, "a direction counts as seen if it holds this share of what the points say", low=0.0, high=0.5
     )
@@ -50,6 +53,14 @@ class Match:
     agreement: float
     seen: int
     converged: bool
+
+    def doubt(self, settings: MatchSettings) -> str:
+        """Why the scan says nothing of where it is, in words; empty if it does."""
+        if self.seen == 0:
+            return "the scan shows nothing of the map"
+        if self.agreement < settings.match_agreement:
+            return f"only {self.agreement:.0%} of the scan lies on the map"
+        return ""
 
 
 def match_scan(field: WallField, points: Array, guess: Pose2, settings: MatchSettings) -> Match:

@@ -10,10 +10,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracked_types import OccupancyMap
+from tracked_types import OCCUPIED_PERCENT, OccupancyMap
 
 Array = NDArray[np.float64]
-_OCCUPIED_PERCENT = 65
 _NEIGHBOURHOOD = 5  # cells
 _STRAIGHT = 0.35  # of the variance across a wall to that along it
 
@@ -40,9 +39,9 @@ class WallField:
     """
 
     def __init__(self, occupancy_map: OccupancyMap) -> None:
-        occupied = occupancy_map.occupancy >= _OCCUPIED_PERCENT
+        occupied = occupancy_map.occupied
         if not occupied.any():
-            raise ValueError(f"no cell of the map is occupied by {_OCCUPIED_PERCENT} % or more")
+            raise ValueError(f"no cell of the map is occupied by {OCCUPIED_PERCENT} % or more")
         self._map = occupancy_map
         vacant = (~occupied).astype(np.uint8)
         _, labels = cv2.distanceTransformWithLabels(vacant, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
@@ -54,9 +53,7 @@ class WallField:
 
     def at(self, points: Array) -> Walls:
         """The nearest piece of wall to each of the ``points`` (n, 2)."""
-        cells = self._map.cells_of(points)
-        inside = ((cells >= 0) & (cells < self._nearest.shape)).all(axis=1)
-        row, column = np.where(inside[:, None], cells, 0).T
+        row, column, inside = self._map.look_up(points)
         nearest = self._nearest[row, column]
         away = points - self._middle[nearest]
         distance = np.hypot(away[:, 0], away[:, 1])

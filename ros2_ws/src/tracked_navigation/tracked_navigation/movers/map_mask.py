@@ -6,15 +6,13 @@ from numpy.typing import NDArray
 
 from tracked_types import UNKNOWN, OccupancyMap
 
-_OCCUPIED_PERCENT = 65
-
 
 class MapMask:
     """Answers for one map; ``reach_m`` is how far from a wall a point may lie and still be of the wall."""
 
     def __init__(self, occupancy_map: OccupancyMap, reach_m: float) -> None:
         self._map = occupancy_map
-        explaining = (occupancy_map.occupancy >= _OCCUPIED_PERCENT) | (occupancy_map.occupancy == UNKNOWN)
+        explaining = occupancy_map.occupied | (occupancy_map.occupancy == UNKNOWN)
         free = (~explaining).astype(np.uint8)
         near = np.zeros(free.shape, np.bool_)
         if explaining.any():
@@ -24,8 +22,6 @@ class MapMask:
 
     def unexplained(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Whether each of the points (n, 2) of the map's frame is news; what lies outside the map is not."""
-        cells = self._map.cells_of(points)
-        inside = np.all((cells >= 0) & (cells < self._explained.shape), axis=1)
-        row, column = np.where(inside[:, None], cells, 0).T
+        row, column, inside = self._map.look_up(points)
         news: NDArray[np.bool_] = inside & ~self._explained[row, column]
         return news

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracked_description import Footprint, Robot
-from tracked_types import UNKNOWN, OccupancyMap
+from tracked_types import OCCUPIED_PERCENT, UNKNOWN, OccupancyMap
 from tracked_types.setting import check_settings, setting
 
 Array = NDArray[np.float64]
@@ -23,7 +23,7 @@ class CostSettings:
 
     inscribed_m: float
 
-    occupied_percent: int = setting(65, "cells at least this likely occupied are obstacles", low=1, high=100)
+    occupied_percent: int = setting(OCCUPIED_PERCENT, "cells this likely occupied are obstacles", low=1, high=100)
     unknown_is_obstacle: bool = setting(True, "do not plan through what no scan has seen")
     margin_m: float = setting(0.05, "room to keep beside the robot", unit="m", low=0.0, high=1.0)
     comfort_m: float = setting(
@@ -51,9 +51,7 @@ class CostMap:
 
     def at(self, points: Array) -> Array:
         """Cost (n,) at points (n, 2) of the map's frame; inf outside."""
-        cells = self.map.cells_of(points)
-        inside = np.all((cells >= 0) & (cells < self.cost.shape), axis=1)
-        row, column = np.where(inside[:, None], cells, 0).T
+        row, column, inside = self.map.look_up(points)
         found: Array = np.where(inside, self.cost[row, column], np.inf)
         return found
 
@@ -65,9 +63,8 @@ def make_costmap(occupancy_map: OccupancyMap, settings: CostSettings, obstacles:
     if settings.unknown_is_obstacle:
         blocked |= occupancy == UNKNOWN
     if obstacles is not None and len(obstacles):
-        cells = occupancy_map.cells_of(obstacles)
-        row, column = cells[np.all((cells >= 0) & (cells < occupancy.shape), axis=1)].T
-        blocked[row, column] = True
+        row, column, inside = occupancy_map.look_up(obstacles)
+        blocked[row[inside], column[inside]] = True
     free = (~blocked).astype(np.uint8)
     if blocked.any():
         pixels = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE).astype(np.float64)
