@@ -104,6 +104,13 @@ class Entities:
             )
         self._index()
 
+    def move_to(self, name: str, x_m: float, y_m: float) -> None:
+        """Shift an entity to a place on the floor, upright as it is; raises EntityError if there is none of this name."""
+        body = self._id(name)
+        (_, _, z), orientation = pybullet.getBasePositionAndOrientation(body, physicsClientId=self._client)
+        pybullet.resetBasePositionAndOrientation(body, (x_m, y_m, z), orientation, physicsClientId=self._client)
+        self._measure(self._bodies.index(body))
+
     def body(self, index: int) -> int:
         """Bullet's id of the entity in row ``index`` of `boxes`."""
         return self._bodies[index]

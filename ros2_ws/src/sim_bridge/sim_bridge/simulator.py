@@ -12,6 +12,7 @@ from sim_bridge.sensors.mounting import PointMotion
 from sim_bridge.sensors.rays import cast_rays
 from sim_bridge.track_speeds import track_targets
 from sim_bridge.vehicle import Vehicle
+from sim_bridge.walkers import Walking
 from sim_bridge.world import World
 from tracked_description import Robot
 from tracked_types import PeriodGrid, Pose2, VelocityCommand
@@ -64,6 +65,7 @@ class Simulator:
         self.intake = CommandIntake(IntakeSettings.from_robot(robot))
         self.vehicle = Vehicle(robot, world, self._settings.physics, self.start)
         self.sensors = SensorSuite(robot, self._settings.lidar_mode, seed, self._motion())
+        self._walking = Walking(world.walkers)
 
     @property
     def stamp_ns(self) -> int:
@@ -103,6 +105,7 @@ class Simulator:
         tick, rest = divmod(self._steps, self._steps_per_tick)
         if rest:
             return None
+        self._walking.move(self.vehicle.entities, self.stamp_ns)
         return self.sensors.update(self._motion(), tick, partial(cast_rays, self.vehicle.client))
 
     def reset(self, seed: int) -> None:

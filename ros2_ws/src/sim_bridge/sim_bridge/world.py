@@ -8,6 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field, model_validator
 
 from sim_bridge.solids import Finite, Friction, Positive, Solid, WorldObject, solids_of
+from sim_bridge.walkers import Walker
 from tracked_types import Pose2
 from tracked_types.checked_yaml import CheckedFileError, CheckedModel, load_checked_yaml
 
@@ -38,12 +39,13 @@ class FrictionZone(CheckedModel):
 
 
 class World(CheckedModel):
-    """A floor at z = 0, objects on it, friction, and named places to start from and to go to."""
+    """A floor at z = 0, objects and walkers on it, friction, and named places to start from and to go to."""
 
     name: Name
     description: str
     friction: Friction | None = None
     objects: tuple[WorldObject, ...] = ()
+    walkers: tuple[Walker, ...] = ()
     friction_zones: tuple[FrictionZone, ...] = ()
     starts: dict[Name, PlanarPose]
     goals: dict[Name, PlanarPose] = Field(default_factory=dict)
@@ -51,7 +53,7 @@ class World(CheckedModel):
     @model_validator(mode="after")
     def _names_are_unique(self) -> "World":
         for kind, names in (
-            ("objects", [solid.name for solid in self.solids()]),
+            ("objects and walkers", [solid.name for solid in self.solids()]),
             ("friction_zones", [zone.name for zone in self.friction_zones]),
         ):
             twice = sorted({name for name in names if names.count(name) > 1})
@@ -62,9 +64,11 @@ class World(CheckedModel):
         return self
 
     def solids(self) -> Iterator[Solid]:
-        """Every body of the world, with compound objects taken apart."""
+        """Every body of the world, with compound objects taken apart; walkers where they begin."""
         for item in self.objects:
             yield from solids_of(item)
+        for walker in self.walkers:
+            yield walker.solid()
 
     def start(self, name: str = "default") -> Pose2:
         """The start pose called ``name``.

@@ -80,7 +80,7 @@ def test_missing_file_is_named():
         ({"objects": [{**BOX, "mass_kg": 0.01}]}, r"objects\.0\.box\.mass_kg"),
         ({"objects": [{**BOX, "weight": 1.0}]}, r"objects\.0\.box\.weight"),
         ({"objects": [{**BOX, "shape": "sphere"}]}, r"objects\.0.*shape"),
-        ({"objects": [BOX, BOX]}, "objects: names are used twice: box"),
+        ({"objects": [BOX, BOX]}, "objects and walkers: names are used twice: box"),
         ({"friction": {"longitudinal": 0.0, "lateral": 0.5}}, r"friction\.longitudinal"),
         ({"friction_zones": [{"name": "z", "centre_m": [0.0], "size_m": [1, 1]}]}, r"friction_zones\.0\.centre_m"),
         ({"starts": {}}, "starts: at least one"),

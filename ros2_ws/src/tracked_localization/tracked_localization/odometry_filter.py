@@ -1,6 +1,7 @@
 """Odometry of a slipping tracked robot from belt counters and a gyro."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import cast
 
 from tracked_localization.estimate import Estimate
@@ -9,6 +10,7 @@ from tracked_localization.health import IMU, TRACKS, BlameList, Culprit, Fault, 
 from tracked_localization.innovation import Innovation
 from tracked_localization.sample_buffer import Arrival, Ready, SampleBuffer
 from tracked_localization.settings import OdometryFilterSettings
+from tracked_localization.tilt import Tilt
 from tracked_types import ImuSample, Odometry, PeriodGrid, Pose2, PoseSample, TrackSample, seconds_between
 
 _IMU, _TRACKS = 0, 1
@@ -34,6 +36,7 @@ class OdometryFilter:
             (settings.imu_rate_hz, settings.tracks_rate_hz), settings.patience_s, settings.silence_s
         )
         self._grid = PeriodGrid(settings.tracks_rate_hz)
+        self._tilt = Tilt(settings.imu_rpy_rad)
         self._next_index: int | None = None
         self._jumped_ns: int | None = None
 
@@ -134,6 +137,7 @@ class OdometryFilter:
         self._fusion.advance(item.stamp_ns)
         if item.stream == _IMU:
             self._fusion.fuse_imu(cast(ImuSample, item.sample))
+            self._tilt.add(cast(ImuSample, item.sample))
         else:
             self._fusion.fuse_tracks(cast(TrackSample, item.sample))
 
@@ -145,7 +149,9 @@ class OdometryFilter:
             self._next_index += 1
             self._fusion.advance(instant_ns)
             self._fusion.remember(instant_ns)
-            yield Estimate(self._fusion.odometry(instant_ns), self._fusion.slip(instant_ns))
+            odometry = self._fusion.odometry(instant_ns)
+            tilted = replace(odometry, roll_rad=self._tilt.roll_rad, pitch_rad=self._tilt.pitch_rad)
+            yield Estimate(tilted, self._fusion.slip(instant_ns))
 
     def _watch_silence(self) -> None:
         for index, sensor in enumerate(_SENSORS):

@@ -14,7 +14,7 @@ class OdometryFilterSettings:
     """What the odometry filter knows of the robot, and what may be tuned.
 
     belt_yaw_ratio: yaw rate over ground per yaw rate of the belts, used only while the gyro fails.
-    imu_up_axis: (3,) the base's upward axis, seen from the IMU. The rates are those of ``robot.yaml``.
+    imu_up_axis: (3,) the base's upward axis, seen from the IMU; imu_rpy_rad: how the IMU is mounted, fixed-axis angles. The rates are those of ``robot.yaml``.
     """
 
     slip: SlipSettings
@@ -29,6 +29,7 @@ class OdometryFilterSettings:
     imu_rate_hz: int
     tracks_rate_hz: int
     imu_up_axis: tuple[float, float, float]
+    imu_rpy_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     patience_s: float = setting(
         0.012, "how long, in stamps, an estimate waits for a sample that is missing", unit="s", low=0.0, high=0.1
@@ -148,5 +149,6 @@ class OdometryFilterSettings:
             imu_rate_hz=robot.imu.rate_hz,
             tracks_rate_hz=robot.odometry.rate_hz,
             imu_up_axis=up_axis(robot.imu.rpy_rad),
+            imu_rpy_rad=robot.imu.rpy_rad,
             **tuning,
         )

@@ -1,4 +1,4 @@
-"""nav_msgs/Odometry of a planar estimate."""
+"""nav_msgs/Odometry of an estimate on the floor, tilted as the base is."""
 
 from nav_msgs.msg import Odometry as OdometryMessage
 
@@ -14,12 +14,12 @@ from node_kit.conversions.geometry import (
     vector_from_message,
 )
 from node_kit.conversions.headers import fill_header, header_from_message
-from node_kit.rotations import quaternion_from_yaw, yaw_from_quaternion
+from node_kit.rotations import quaternion_from_roll_pitch_yaw, roll_pitch_yaw_from_quaternion
 from tracked_types import Odometry, Pose2, Twist2
 
 
 def odometry_from_message(message: OdometryMessage) -> Odometry:
-    """Planar part of an odometry message.
+    """Place on the floor, tilt and twist of an odometry message.
 
     Raises
     ------
@@ -34,25 +34,29 @@ def odometry_from_message(message: OdometryMessage) -> Odometry:
     _, _, yaw_rate = vector_from_message("angular", twist.angular)
     pose_covariance = checked_covariance("pose covariance", message.pose.covariance, 6)
     twist_covariance = checked_covariance("twist covariance", message.twist.covariance, 6)
+    roll, pitch, yaw = roll_pitch_yaw_from_quaternion(*quaternion)
     return Odometry(
         stamp_ns,
         frame_id,
         child_frame_id,
-        Pose2(x, y, yaw_from_quaternion(*quaternion)),
+        Pose2(x, y, yaw),
         Twist2(speed, yaw_rate),
         sub_covariance(pose_covariance, PLANAR),
         sub_covariance(twist_covariance, SPEED_AND_YAW_RATE),
+        roll,
+        pitch,
     )
 
 
 def odometry_to_message(odometry: Odometry, into: OdometryMessage | None = None) -> OdometryMessage:
-    """Message with zeros off the plane; ``into`` is a message of this function to overwrite."""
+    """Message with height zero; ``into`` is a message of this function to overwrite."""
     message = OdometryMessage() if into is None else into
     fill_header(message.header, odometry.stamp_ns, odometry.frame_id)
     message.child_frame_id = odometry.child_frame_id
     pose, twist = message.pose.pose, message.twist.twist
     pose.position.x, pose.position.y = float(odometry.pose.x_m), float(odometry.pose.y_m)
-    fill_quaternion(pose.orientation, quaternion_from_yaw(odometry.pose.yaw_rad))
+    roll, pitch, yaw = odometry.roll_rad, odometry.pitch_rad, odometry.pose.yaw_rad
+    fill_quaternion(pose.orientation, quaternion_from_roll_pitch_yaw(roll, pitch, yaw))
     twist.linear.x, twist.angular.z = float(odometry.twist.speed_mps), float(odometry.twist.yaw_rate_radps)
     message.pose.covariance[PLANAR_BLOCK] = odometry.pose_covariance.ravel()
     message.twist.covariance[SPEED_BLOCK] = odometry.twist_covariance.ravel()

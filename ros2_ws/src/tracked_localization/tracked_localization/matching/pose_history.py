@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 
 class PoseHistory:
-    """Poses of an odometry, interpolated in time; headings are continuous.
+    """Poses and tilts of an odometry, interpolated in time; headings are continuous.
 
     length_s: how long poses are kept. reach_s: how far beyond the newest pose, or across a gap, one is still made up.
     """
@@ -21,6 +21,7 @@ class PoseHistory:
         self._reach_ns = to_nanoseconds(reach_s)
         self._stamps_ns: deque[int] = deque()
         self._poses: deque[tuple[float, float, float]] = deque()
+        self._tilts: deque[tuple[float, float]] = deque()
         self._twist = (0.0, 0.0)
 
     @property
@@ -32,6 +33,7 @@ class PoseHistory:
         """Forget everything: the clock or the odometry has jumped."""
         self._stamps_ns.clear()
         self._poses.clear()
+        self._tilts.clear()
 
     def add(self, odometry: Odometry) -> None:
         """Take a pose in; one that is not newer than the newest is ignored."""
@@ -43,10 +45,18 @@ class PoseHistory:
             yaw_rad = self._poses[-1][2] + angle_difference(yaw_rad, self._poses[-1][2])
         self._stamps_ns.append(odometry.stamp_ns)
         self._poses.append((pose.x_m, pose.y_m, yaw_rad))
+        self._tilts.append((odometry.roll_rad, odometry.pitch_rad))
         self._twist = (odometry.twist.speed_mps, odometry.twist.yaw_rate_radps)
         while self._stamps_ns[0] < odometry.stamp_ns - self._length_ns:
             self._stamps_ns.popleft()
             self._poses.popleft()
+            self._tilts.popleft()
+
+    def tilt_at(self, stamp_ns: int) -> tuple[float, float]:
+        """Roll and pitch (rad) at an instant, those of the nearest pose that is known; level if none is."""
+        if not self._stamps_ns:
+            return 0.0, 0.0
+        return self._tilts[int(np.argmin(np.abs(np.array(self._stamps_ns, np.int64) - stamp_ns)))]
 
     def at(self, stamps_ns: NDArray[np.int64]) -> Array | None:
         """Poses (n, 3): x (m), y (m), continuous heading (rad); None if an instant is out of reach.

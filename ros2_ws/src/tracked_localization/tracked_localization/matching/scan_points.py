@@ -1,5 +1,6 @@
 """Points of a laser scan in the robot's frame, put right for the robot's motion while the beams fired."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from tracked_localization.matching.pose_history import PoseHistory
 from tracked_types import NANOSECONDS_PER_SECOND, LaserScan, Pose2
 
 Array = NDArray[np.float64]
+_FLOOR_M = 0.1  # what seems lower than this is, or may be, the floor
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,12 +27,16 @@ class ScanPoints:
     origin: tuple[float, float]
 
 
-def scan_points(scan: LaserScan, lidar: Pose2, history: PoseHistory | None = None) -> ScanPoints:
+def scan_points(
+    scan: LaserScan, lidar: Pose2, history: PoseHistory | None = None, *, height_m: float | None = None
+) -> ScanPoints:
     """Points of ``scan`` as of the middle of its revolution, where that needs the least of the odometry.
 
     lidar: mounting in the base's frame; a lidar that hangs upside down is not meant. history: poses of the base in any
     frame that does not jump; without one, or where it does not reach, the robot is taken to have stood still.
-    Beams that are NaN, -inf or outside the scan's limits say nothing and are left out.
+    Beams that are NaN, -inf or outside the scan's limits say nothing and are left out. height_m: of the lidar over the
+    base; with it, and a history that knows how the robot was tilted, points are those seen from above, and beams that
+    met the floor, or may have, are left out.
     """
     ranges = scan.ranges_m.astype(np.float64)
     angles = scan.angle_min_rad + scan.angle_increment_rad * np.arange(len(ranges))
@@ -45,7 +51,22 @@ def scan_points(scan: LaserScan, lidar: Pose2, history: PoseHistory | None = Non
         stamp_ns += int(offsets_ns[-1] // 2)
         if history is not None:
             ends = _as_of(stamp_ns, ends, scan.stamp_ns + offsets_ns, history)
-    return ScanPoints(stamp_ns, ends[returned], ends[nothing], (lidar.x_m, lidar.y_m))
+    origin = np.array([[lidar.x_m, lidar.y_m]])
+    if height_m is not None and history is not None:
+        roll, pitch = history.tilt_at(stamp_ns)
+        (origin, _), (ends, heights) = (_levelled(each, height_m, roll, pitch) for each in (origin, ends))
+        returned &= heights > _FLOOR_M
+        nothing &= heights > _FLOOR_M
+    return ScanPoints(stamp_ns, ends[returned], ends[nothing], (float(origin[0, 0]), float(origin[0, 1])))
+
+
+def _levelled(points: Array, height_m: float, roll: float, pitch: float) -> tuple[Array, Array]:
+    """Points (n, 2) of the base's plane at ``height_m`` as seen from above, (n, 2), and how high they are, (n,)."""
+    x, y = points.T
+    aside = math.cos(roll) * y - math.sin(roll) * height_m
+    up = math.sin(roll) * y + math.cos(roll) * height_m
+    level = np.column_stack([math.cos(pitch) * x + math.sin(pitch) * up, aside])
+    return level, math.cos(pitch) * up - math.sin(pitch) * x
 
 
 def _as_of(stamp_ns: int, ends: Array, stamps_ns: NDArray[np.int64], history: PoseHistory) -> Array:

@@ -1,5 +1,7 @@
 """Timed elastic band: a checked trajectory along the global path, around obstacles and movers."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,7 +31,7 @@ class TimedElasticBand:
     """
 
     def __init__(self, settings: BandSettings, optimizer: BandOptimizer | None = None) -> None:
-        self.settings = settings
+        self.settings = self._usual = settings
         self.check = BandCheck(settings.footprint, settings.limits, settings.least_clearance_m)
         self.optimizer = optimizer or BandOptimizer(settings)
         self._contest = BandContest(settings, self.optimizer, self.check)
@@ -38,6 +40,14 @@ class TimedElasticBand:
     def forget(self) -> None:
         """The clock or the robot has jumped: start anew."""
         self._memory.forget()
+
+    def slow_to(self, speed_mps: float) -> None:
+        """Plan no faster than this from now on; inf for the speed of the settings."""
+        speed = min(speed_mps, self._usual.speed_mps)
+        if speed != self.settings.speed_mps:
+            self.settings = replace(self._usual, speed_mps=speed)
+            self._contest.settings = self.optimizer.settings = self.settings
+            self.optimizer.set_speed_limit(self.settings.cruise_mps)
 
     def update(
         self,

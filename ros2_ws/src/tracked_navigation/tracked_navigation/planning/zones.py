@@ -11,6 +11,7 @@ from pydantic import Field
 from tracked_navigation.planning.costmap import CostMap
 from tracked_types.checked_yaml import CheckedModel, load_checked_yaml
 
+Array = NDArray[np.float64]
 Corner = tuple[
     Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)],
     Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)],
@@ -56,6 +57,14 @@ class Zones(CheckedModel):
         """The lowest speed of the slow zones around a place (m/s), inf outside all of them."""
         limits = [zone.speed_mps for zone in self.zones if zone.kind == "slow" and _contains(zone, x_m, y_m)]
         return min(limits, default=float("inf"))
+
+    def speed_limit_along(self, path: Array, length_m: float) -> float:
+        """The lowest speed of the slow zones on the first ``length_m`` of a path (n, 3), inf if there is none."""
+        if not any(zone.kind == "slow" for zone in self.zones):
+            return float("inf")
+        steps = np.hypot(*np.diff(path[:, :2], axis=0).T)
+        near = path[np.concatenate([[0.0], np.cumsum(steps)]) <= length_m]
+        return min((self.speed_limit_at(x, y) for x, y, _ in near.tolist()), default=float("inf"))
 
 
 def load_zones(path: Path) -> Zones:

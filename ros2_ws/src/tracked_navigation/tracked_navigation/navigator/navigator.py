@@ -1,0 +1,334 @@
+"""Drives to goals on a map, one band after another."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracked_localization.matching.scan_points import ScanPoints
+from tracked_navigation.band import BandResult, TimedElasticBand
+from tracked_navigation.movers.mover_tracker import MoverSettings
+from tracked_navigation.navigator.arrival import Arrival, Verdict, errors
+from tracked_navigation.navigator.global_path import GlobalPath
+from tracked_navigation.navigator.pieces import braked, in_frame, standing
+from tracked_navigation.navigator.progress import Finished, NavigatorOutput, Outcome, Progress
+from tracked_navigation.navigator.settings import NavigatorSettings
+from tracked_navigation.navigator.tether import tethered
+from tracked_navigation.navigator.view import View
+from tracked_navigation.planning.costmap import CostSettings
+from tracked_navigation.planning.zones import Zones
+from tracked_types import (
+    Mover,
+    OccupancyMap,
+    Odometry,
+    PeriodGrid,
+    Pose2,
+    StampOrder,
+    Trajectory,
+    Twist2,
+    seconds_between,
+)
+
+Array = NDArray[np.float64]
+_PARKING_DRIFT_M = 0.015
+_JUMP_M, _JUMP_RAD = 0.25, 0.15  # of the odometry's frame in the map, beyond which the robot was somewhere else
+
+
+@dataclass(slots=True)
+class _Request:
+    goals: list[Pose2]
+    arrival: Arrival
+    begun_ns: int | None = None
+    looked_ns: int | None = None
+    headway_ns: int = 0
+    best_left_m: float = float("inf")
+    replans: int = 0
+    waits: str = ""
+    followed: Trajectory | None = None
+    parked: Pose2 | None = None
+
+
+class Navigator:
+    """Takes a map, goals, scans and odometry; gives references to drive and says why it waits or gives up.
+
+    Everything is decided at the instants of a grid on the stamps of the odometry. A goal pre-empts the one before.
+    """
+
+    def __init__(
+        self,
+        settings: NavigatorSettings,
+        band: TimedElasticBand,
+        costs: CostSettings,
+        movers: MoverSettings,
+        zones: Zones | None = None,
+    ) -> None:
+        self.settings, self.band = settings, band
+        self._costs, self._movers, self._zones = costs, movers, zones or Zones()
+        self._grid, self._order = PeriodGrid(settings.rate_hz), StampOrder()
+        self._view: View | None = None
+        self._path: GlobalPath | None = None
+        self._request: _Request | None = None
+        self._ended: Finished | None = None
+        self._odom_in_map: Pose2 | None = None
+
+    def set_map(self, occupancy_map: OccupancyMap) -> None:
+        """Drive on this map from now on; a request goes on, on a path of the new map."""
+        settings, frame_id = self.settings, self.band.settings.frame_id
+        self._view = View(occupancy_map, self._movers, frame_id, settings.remember_s)
+        self._path = GlobalPath(occupancy_map, self._costs, self._zones, settings.replan_gain)
+        self._start_anew()
+
+    def go(self, goals: Sequence[Pose2]) -> None:
+        """Drive past the ``goals``, poses in the map's frame, and stop at the last one.
+
+        Raises
+        ------
+        ValueError: if there is no map yet, no goal, or a goal is not finite.
+        """
+        if self._path is None:
+            raise ValueError("there is no map yet")
+        if not goals:
+            raise ValueError("there is no goal")
+        for number, goal in enumerate(goals, start=1):
+            if not np.isfinite(goal.as_array()).all():
+                raise ValueError(f"goal {number} of {len(goals)} is not finite: {goal}")
+        self._request = _Request(list(goals), Arrival(self.settings))
+        self._path.forget()
+        self._start_anew()
+
+    def cancel(self) -> None:
+        """Brake to rest and forget the goals; the next update says so."""
+        if self._request is not None:
+            self._end(Outcome.CANCELLED, "cancelled")
+
+    @property
+    def busy(self) -> bool:
+        """Whether there is a goal."""
+        return self._request is not None
+
+    def see(self, points: ScanPoints, pose: Pose2) -> None:
+        """Take in one scan; ``pose`` is that of the base in the map's frame at its stamp."""
+        if self._view is not None:
+            self._view.add(points, pose)
+
+    def update(self, odometry: Odometry, odom_in_map: Pose2 | None) -> NavigatorOutput | None:
+        """React to one odometry; None between the instants of the grid.
+
+        ``odom_in_map`` is the pose of the odometry's frame in the map's, None if the robot does not know where it is.
+        """
+        if self._order.jumps_back(odometry.stamp_ns):
+            if self._request is not None:
+                self._end(Outcome.ABORTED, "the clock was set back")
+            if self._view is not None:
+                self._view.forget()
+        if not self._order.advance(odometry.stamp_ns):
+            return None
+        if not self._grid.crossed(self._order.previous_ns, odometry.stamp_ns):
+            return None
+        return self._react(odometry, odom_in_map)
+
+    def _react(self, odometry: Odometry, odom_in_map: Pose2 | None) -> NavigatorOutput:
+        stamp_ns, limits = odometry.stamp_ns, self.band.settings.limits
+        self._note_jump(odom_in_map)
+        hindrance = self._hindrance(odometry, odom_in_map)
+        output: NavigatorOutput | None = None
+        if self._request is not None:
+            if hindrance or odom_in_map is None:
+                self._wait(self._request, hindrance, stamp_ns)
+            else:
+                output = self._drive(self._request, odometry, odom_in_map)
+        movers = self._movers_now
+        if self._ended is not None:
+            ended, self._ended = self._ended, None
+            reference = output.reference if output is not None else braked(odometry, limits)
+            return NavigatorOutput(stamp_ns, reference, movers=movers, finished=replace(ended, stamp_ns=stamp_ns))
+        if self._request is None:
+            return NavigatorOutput(stamp_ns, movers=movers)
+        if output is None:
+            pose = odometry.pose if odom_in_map is None else odom_in_map.compose(odometry.pose)
+            progress = self._progress(self._request, pose, stamp_ns)
+            return NavigatorOutput(stamp_ns, braked(odometry, limits), movers=movers, progress=progress)
+        return output
+
+    def _drive(self, request: _Request, odometry: Odometry, odom_in_map: Pose2) -> NavigatorOutput | None:
+        """Along the path; None if the robot is to stand."""
+        assert self._path is not None and self._view is not None
+        stamp_ns, path = odometry.stamp_ns, self._path
+        pose = odom_in_map.compose(odometry.pose)
+        if request.begun_ns is None:
+            request.begun_ns = request.headway_ns = stamp_ns
+        path.follow(pose)
+        while len(request.goals) > 1 and self._passes(request.goals[0], pose):
+            del request.goals[0]
+            request.looked_ns = None
+        if not self._look(request, pose, stamp_ns):
+            return None
+        changed = path.ahead if request.looked_ns == stamp_ns else None
+        landed = request.arrival.update(request.goals[-1], request.followed, pose, odometry.twist, stamp_ns)
+        if landed is not None:
+            return self._land(request, landed, odometry, odom_in_map, pose)
+        result = self._band(request, pose, odometry.twist, stamp_ns)
+        request.waits = result.reason
+        self._note_headway(request, stamp_ns)
+        if self._request is None:
+            return None
+        assert result.trajectory is not None
+        request.followed = None if result.kind == "stop" else result.trajectory
+        reference = in_frame(result.trajectory, odometry.frame_id, odom_in_map.inverse())
+        progress = self._progress(request, pose, stamp_ns)
+        return NavigatorOutput(stamp_ns, reference, result, changed, self._movers_now, progress)
+
+    def _band(self, request: _Request, pose: Pose2, twist: Twist2, stamp_ns: int) -> BandResult:
+        assert self._path is not None and self._view is not None
+        settings, band = self.settings, self.band
+        ahead = self._path.ahead
+        band.slow_to(self._zones.speed_limit_along(ahead, band.settings.lookahead_m))
+        begin, moving = tethered(
+            request.followed,
+            pose,
+            twist,
+            stamp_ns,
+            band.settings.limits,
+            length_m=settings.tether_m,
+            turn_rad=settings.tether_rad,
+        )
+        obstacles = self._view.obstacles_around(pose, settings.view_m)
+        return band.update(begin, moving, ahead, obstacles, self._view.movers, stamp_ns)
+
+    def _look(self, request: _Request, pose: Pose2, stamp_ns: int) -> bool:
+        """Plan where that is due; whether there is a path."""
+        assert self._path is not None and self._view is not None
+        has_path = len(self._path.ahead) > 0
+        due = request.looked_ns is None or (
+            seconds_between(stamp_ns, request.looked_ns) >= self.settings.replan_period_s
+        )
+        if has_path and (not due or request.arrival.landing):
+            return True
+        answer = self._path.look(pose, request.goals, self._view.unmapped)
+        request.looked_ns = stamp_ns
+        if answer.reason and answer.by_map:
+            self._end(Outcome.ABORTED, answer.reason, answer.nearest)
+            return False
+        if answer.reason:
+            self._wait(request, answer.reason, stamp_ns)
+            return False
+        if answer.changed:
+            request.replans += has_path
+            request.best_left_m = self._path.left_m
+        return True
+
+    def _land(
+        self, request: _Request, verdict: Verdict, odometry: Odometry, odom_in_map: Pose2, pose: Pose2
+    ) -> NavigatorOutput | None:
+        """At the end of the way: what is left of it is not planned anew."""
+        stamp_ns, goal = odometry.stamp_ns, request.goals[-1]
+        if verdict is Verdict.AGAIN:
+            self._start_anew()
+            return None
+        if verdict is not Verdict.LANDING:
+            away, turned = errors(goal, pose)
+            outcome = Outcome.SUCCEEDED if verdict is Verdict.REACHED else Outcome.ABORTED
+            reason = (
+                "" if verdict is Verdict.REACHED else f"came to rest {away:.3f} m and {turned:.3f} rad off the goal"
+            )
+            self._end(outcome, reason, error=(away, turned))
+        followed, map_in_odom = request.followed, odom_in_map.inverse()
+        if followed is not None and stamp_ns < followed.end_ns:
+            reference = in_frame(followed, odometry.frame_id, map_in_odom, from_ns=stamp_ns)
+        else:
+            reference = self._standing_at(request, map_in_odom.compose(goal), odometry)
+        progress = self._progress(request, pose, stamp_ns)
+        return NavigatorOutput(stamp_ns, reference, movers=self._movers_now, progress=progress)
+
+    @staticmethod
+    def _standing_at(request: _Request, goal: Pose2, odometry: Odometry) -> Trajectory:
+        """At rest at ``goal``, given in the odometry's frame: the same place each time, or whoever drives the last
+        centimetres would begin anew each time that localisation moves by a hair."""
+        if request.parked is None or errors(request.parked, goal)[0] > _PARKING_DRIFT_M:
+            request.parked = goal
+        return standing(request.parked, odometry.stamp_ns, odometry.frame_id)
+
+    def _hindrance(self, odometry: Odometry, odom_in_map: Pose2 | None) -> str:
+        """Why the robot must not drive now, in words; empty if it may."""
+        twist = odometry.twist
+        if not np.isfinite([*odometry.pose.as_array(), twist.speed_mps, twist.yaw_rate_radps]).all():
+            return "odometry is not finite"
+        if odom_in_map is None:
+            return "the robot does not know where it is"
+        seen_ns = self._view.stamp_ns if self._view is not None else None
+        if seen_ns is None:
+            return "no scan yet"
+        age_s = seconds_between(odometry.stamp_ns, seen_ns)
+        if age_s > self.settings.scan_timeout_s:
+            return f"no scan for {age_s:.1f} s"
+        return ""
+
+    def _wait(self, request: _Request, reason: str, stamp_ns: int) -> None:
+        """Stand for now; too long, and the goal is given up."""
+        if request.begun_ns is None:
+            request.begun_ns = request.headway_ns = stamp_ns
+        request.waits, request.followed = reason, None
+        self.band.forget()
+        self._give_up_if_stuck(request, stamp_ns)
+
+    def _note_headway(self, request: _Request, stamp_ns: int) -> None:
+        assert self._path is not None
+        left_m = self._path.left_m
+        if left_m < request.best_left_m - self.settings.headway_m:
+            request.best_left_m, request.headway_ns = left_m, stamp_ns
+        self._give_up_if_stuck(request, stamp_ns)
+
+    def _give_up_if_stuck(self, request: _Request, stamp_ns: int) -> None:
+        stuck_s = seconds_between(stamp_ns, request.headway_ns)
+        if stuck_s > self.settings.patience_s:
+            self._end(Outcome.ABORTED, f"no headway for {stuck_s:.0f} s: {request.waits or 'the robot does not move'}")
+
+    def _note_jump(self, odom_in_map: Pose2 | None) -> None:
+        before, self._odom_in_map = self._odom_in_map, odom_in_map
+        if before is None or odom_in_map is None:
+            return
+        moved = before.inverse().compose(odom_in_map)
+        if np.hypot(moved.x_m, moved.y_m) > _JUMP_M or abs(moved.yaw_rad) > _JUMP_RAD:
+            if self._view is not None:
+                self._view.forget()
+            if self._path is not None:
+                self._path.forget()
+            self._start_anew()
+
+    @property
+    def _movers_now(self) -> tuple[Mover, ...]:
+        return self._view.movers if self._view is not None else ()
+
+    def _start_anew(self) -> None:
+        """What was being driven is of no use any more."""
+        self.band.forget()
+        if self._request is not None:
+            self._request.followed = self._request.parked = self._request.looked_ns = None
+
+    def _end(
+        self,
+        outcome: Outcome,
+        reason: str,
+        nearest: tuple[float, float] | None = None,
+        error: tuple[float, float] = (float("nan"), float("nan")),
+    ) -> None:
+        self._request = None
+        self._ended = Finished(0, outcome, reason, nearest, *error)
+
+    def _passes(self, goal: Pose2, pose: Pose2) -> bool:
+        assert self._path is not None
+        near = np.hypot(goal.x_m - pose.x_m, goal.y_m - pose.y_m) <= self.settings.pass_m
+        return bool(near) or self._path.first_leg_done
+
+    def _progress(self, request: _Request, pose: Pose2, stamp_ns: int) -> Progress:
+        left_m = self._path.left_m if self._path is not None else 0.0
+        return Progress(
+            pose=pose,
+            left_m=left_m,
+            left_s=left_m / self.band.settings.cruise_mps,
+            since_s=seconds_between(stamp_ns, request.begun_ns if request.begun_ns is not None else stamp_ns),
+            replans=request.replans,
+            goals_left=len(request.goals),
+            waits=request.waits,
+        )
