@@ -1,8 +1,6 @@
 """Lower layer: follows the upper layer's plan at 30 Hz and makes good the slip, (5.2.12)-(5.2.14)."""
 
-import math
 import time
-from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +9,7 @@ from nmpc_layers.creep import without_creep
 from nmpc_layers.lower_problem import make_problem
 from nmpc_layers.lower_settings import LowerSettings
 from nmpc_layers.plan_shapes import as_trajectory, step_times
+from nmpc_layers.recent_slips import RecentSlips
 from nmpc_layers.sent_commands import SentCommands
 from nmpc_layers.solver import BoxSolver, Problem, Solution, TrackSolver
 from nmpc_layers.stop_ramp import StopRamp
@@ -28,7 +27,6 @@ from tracked_types import (
     to_nanoseconds,
 )
 
-SLIPS_KEPT = 16  # while a tick waits for its plan; lock-step lets time run on by three at most
 NO_PLAN = "no plan yet"
 
 
@@ -57,11 +55,12 @@ class LowerLayer:
         self._plan_grid = PeriodGrid(settings.plan_rate_hz)
         self._sent = SentCommands(settings.transport_delay_s)
         self._order = StampOrder()
+        self._slips = RecentSlips()
         self._restart()
 
     def _restart(self) -> None:
         self._plan: Trajectory | None = None
-        self._slips: deque[Slip] = deque(maxlen=SLIPS_KEPT)
+        self._slips.forget()
         self._solved_index: int | None = None
         self._ramp = StopRamp(self.settings.limits, self.settings.period_s, self.settings.hold_s)
         self._sent.forget()
@@ -84,8 +83,7 @@ class LowerLayer:
 
         A tick uses that of its own instant, however late it ticks.
         """
-        if math.isfinite(slip.speed_mps) and math.isfinite(slip.yaw_rate_radps):
-            self._slips.append(slip)
+        self._slips.add(slip)
 
     def set_sent(self, command: VelocityCommand) -> None:
         """A command as it went to the base."""
@@ -109,9 +107,8 @@ class LowerLayer:
 
     def waits_for_slip(self, stamp_ns: int) -> bool:
         """Whether, in lock-step, the tick of ``stamp_ns`` must wait for the slip estimate of the same instant."""
-        if not self._slips or self._order.jumps_back(stamp_ns):
-            return False
-        return self.settings.slip_compensation and self._slips[-1].stamp_ns < stamp_ns
+        needed = self.settings.slip_compensation and not self._order.jumps_back(stamp_ns)
+        return needed and self._slips.lacks(stamp_ns)
 
     def update(self, odometry: Odometry) -> LowerOutput | None:
         """React to one odometry (planar, in the frame of the plan); None if nothing is due at its stamp.
@@ -131,7 +128,9 @@ class LowerLayer:
         began_s = time.thread_time()  # a stop watch for the status; no decision depends on it
         stamp_ns = odometry.stamp_ns
         reason, solution, prediction = self._missing(odometry), None, None
-        slip, slip_reason = self._usable_slip(stamp_ns)
+        slip, slip_reason = None, ""
+        if self.settings.slip_compensation:
+            slip, slip_reason = self._slips.at(stamp_ns, self.settings.slip_timeout_s)
         if not reason and self._plan is not None:
             problem = self._problem.build(odometry, self._plan, slip, self._sent)
             solution = self._solve(problem, index, stamp_ns)
@@ -169,18 +168,6 @@ class LowerLayer:
         if abs(age_s) > self.settings.plan_timeout_s:
             return f"plan is {abs(age_s):.2f} s {'old' if age_s > 0.0 else 'ahead of the odometry'}"
         return ""
-
-    def _usable_slip(self, stamp_ns: int) -> tuple[Slip | None, str]:
-        """Slip to compensate, and why there is none although there should be."""
-        if not self.settings.slip_compensation:
-            return None, ""
-        if not self._slips:
-            return None, "no slip estimate yet: not compensated"
-        slip = next((slip for slip in reversed(self._slips) if slip.stamp_ns <= stamp_ns), self._slips[-1])
-        age_s = seconds_between(stamp_ns, slip.stamp_ns)
-        if abs(age_s) > self.settings.slip_timeout_s:
-            return None, f"slip estimate is {abs(age_s):.2f} s off: not compensated"
-        return slip, ""
 
     def _solve(self, problem: Problem, index: int, stamp_ns: int) -> Solution:
         if self._solved_index is None:

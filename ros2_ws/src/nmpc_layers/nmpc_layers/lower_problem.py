@@ -50,9 +50,9 @@ class PrintedProblem:
 class ImprovedProblem:
     """Belts that lag, a horizon that starts where this tick's command reaches the motors, consistent targets.
 
-    The state is predicted there with the commands already on their way. The slip that `yaw_ratio`
-    does not explain is added; targets are the plan's ground motion less the slip, so that input weights
-    do not work against the compensation (erratum 5.2.12).
+    The state is predicted there with the commands already on their way. The slip that `yaw_ratio` does not explain is
+    added, and the sideways slide is in the model. Targets are the plan's ground motion less the slip, so that input
+    weights do not work against the compensation (erratum 5.2.12).
     """
 
     motion = Motion.LAG
@@ -87,6 +87,7 @@ class ImprovedProblem:
                 yaw_slip_radps=ground.yaw_slip_radps,
                 yaw_efficiency=ground.yaw_efficiency,
                 lag_s=settings.motor_lag_s,
+                slide_s=ground.slide_s,
             ),
             weights=settings.weights,
         )
@@ -101,7 +102,7 @@ class ImprovedProblem:
             return GroundModel(lag_s=settings.motor_lag_s), twist
         efficiency = settings.yaw_ratio
         if not slip.known:
-            ground = GroundModel(yaw_efficiency=efficiency, lag_s=settings.motor_lag_s)
+            ground = GroundModel(yaw_efficiency=efficiency, lag_s=settings.motor_lag_s, slide_s=slip.slide_s)
             return ground, Twist2(twist.speed_mps, twist.yaw_rate_radps / efficiency)
         belt_yaw_rate = twist.yaw_rate_radps - slip.yaw_rate_radps
         belt_speed = twist.speed_mps - (slip.speed_mps if slip.speed_measured else 0.0)
@@ -110,6 +111,7 @@ class ImprovedProblem:
             yaw_slip_radps=slip.yaw_rate_radps + (1.0 - efficiency) * belt_yaw_rate,
             yaw_efficiency=efficiency,
             lag_s=settings.motor_lag_s,
+            slide_s=slip.slide_s,
         )
         return ground, Twist2(belt_speed, belt_yaw_rate)
 

@@ -104,6 +104,7 @@ class GroundModel:
     yaw_slip_radps: float = 0.0
     yaw_efficiency: float = 1.0
     lag_s: float = 0.06
+    slide_s: float = 0.0
 
 
 def predict(
@@ -121,7 +122,7 @@ def predict(
         mean_speed = command.speed_mps + mean * (speed - command.speed_mps) + ground.speed_slip_mps
         mean_rate = command.yaw_rate_radps + mean * (yaw_rate - command.yaw_rate_radps)
         turn = duration * (ground.yaw_efficiency * mean_rate + ground.yaw_slip_radps)
-        heading = yaw + 0.5 * turn
+        heading = yaw + (0.5 - ground.slide_s / duration) * turn
         if not math.isfinite(heading):
             heading = math.nan  # cos and sin of infinity raise
         x += duration * mean_speed * math.cos(heading)

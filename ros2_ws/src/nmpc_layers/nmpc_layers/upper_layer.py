@@ -1,7 +1,7 @@
 """Upper layer: plans along the reference at 5 Hz, (5.2.1)-(5.2.6); alone, it also commands the base."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from nmpc_layers.creep import without_creep
 from nmpc_layers.goal_approach import GoalApproach, resting_pose
 from nmpc_layers.plan_queue import Plan, PlanQueue
 from nmpc_layers.plan_shapes import as_trajectory, continuous_headings, step_times, stopping
+from nmpc_layers.recent_slips import RecentSlips
 from nmpc_layers.sent_commands import GroundModel, SentCommands, predict
 from nmpc_layers.solver import BoxSolver, Motion, MotionParameters, Problem, Solution
 from nmpc_layers.stop_ramp import StopRamp
@@ -18,6 +19,7 @@ from tracked_types import (
     Odometry,
     PeriodGrid,
     Pose2,
+    Slip,
     SolverStatus,
     StampOrder,
     Trajectory,
@@ -29,6 +31,7 @@ from tracked_types import (
 
 Array = NDArray[np.float64]
 NO_REFERENCE = "no reference yet"
+SLIDE_HOLDS_S = 1.0  # it changes slowly
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +44,7 @@ class UpperOutput:
 
 
 class UpperLayer:
-    """Nonlinear model predictive control over poses, without slip.
+    """Nonlinear model predictive control over poses, without slip but for the sideways slide.
 
     A plan made from the odometry of a 5 Hz instant is handed out with the first odometry that is
     ``pipeline_latency_s`` later, and is stamped with the odometry it was made from.
@@ -57,6 +60,7 @@ class UpperLayer:
         self._latency_ns = to_nanoseconds(settings.pipeline_latency_s)
         self._sent = SentCommands(settings.transport_delay_s)
         self._order = StampOrder()
+        self._slips = RecentSlips()
         self._reference: Trajectory | None = None
         self._restart()
 
@@ -65,6 +69,7 @@ class UpperLayer:
         self._planned_ns: int | None = None
         self._ramp = StopRamp(self.settings.limits, 1.0 / self.settings.control_rate_hz, self.settings.hold_s)
         self._sent.forget()
+        self._slips.forget()
         self.approach.restart()
 
     @property
@@ -77,6 +82,10 @@ class UpperLayer:
         if np.isfinite(reference.states).all() and np.isfinite(reference.inputs).all():
             self._reference = reference
 
+    def set_slip(self, slip: Slip) -> None:
+        """The newest slip estimate; one that is not finite is ignored. The sideways slide is all that counts here."""
+        self._slips.add(slip)
+
     def set_sent(self, command: VelocityCommand) -> None:
         """A command as it went to the base."""
         self._sent.confirm(command)
@@ -87,6 +96,12 @@ class UpperLayer:
             return False
         plans = self._plan_grid.crossed(self._order.latest_ns, stamp_ns)
         return bool(plans) and self._sent.lacks_word(stamp_ns, self._control_grid)
+
+    def waits_for_slip(self, stamp_ns: int) -> bool:
+        """Whether, in lock-step, a plan at ``stamp_ns`` must wait for the slip estimate of the same instant."""
+        if not self.settings.knows_slide or self._order.latest_ns is None or self._order.jumps_back(stamp_ns):
+            return False
+        return bool(self._plan_grid.crossed(self._order.latest_ns, stamp_ns)) and self._slips.lacks(stamp_ns)
 
     def update(self, odometry: Odometry) -> UpperOutput | None:
         """React to one odometry (planar, in the frame of the reference); None if nothing is due at its stamp.
@@ -153,7 +168,10 @@ class UpperLayer:
             reference = self.approach.reference(reference, odometry, start_ns, horizon_s)
         # The slip-free model of this layer takes the measured yaw rate for that of the belts.
         commands = self._sent.in_force(odometry.stamp_ns, start_ns, before_ns=odometry.stamp_ns)
-        pose, _ = predict(odometry.pose, odometry.twist, commands, GroundModel(lag_s=settings.motor_lag_s))
+        slip = self._slips.at(odometry.stamp_ns, SLIDE_HOLDS_S)[0] if settings.knows_slide else None
+        slide_s = slip.slide_s if slip is not None else 0.0
+        ground = GroundModel(lag_s=settings.motor_lag_s, slide_s=slide_s)
+        pose, _ = predict(odometry.pose, odometry.twist, commands, ground)
         offsets = step_times(settings.period_s, settings.horizon)
         states, inputs = reference.at(start_ns, offsets)
         if settings.method == "improved":
@@ -165,7 +183,7 @@ class UpperLayer:
             input_reference=inputs[:-1],
             low=settings.limits.low,
             high=settings.limits.high,
-            parameters=self._parameters,
+            parameters=replace(self._parameters, slide_s=slide_s),
             weights=settings.weights,
             terminal=certified.weight if certified is not None and certified.covers(inputs[-1]) else None,
         )

@@ -66,6 +66,10 @@ class UpperSettings:
     approach_yaw_rate_radps: float = setting(
         0.5, "largest yaw rate of the final approach", unit="rad/s", low=0.01, high=3.0
     )
+    slide_compensation: bool = setting(
+        True,
+        "layers double, improved: plan with the sideways slide that the slip estimate reports; measured poses show it",
+    )
     terminal: str = setting(
         "certified",
         "layers double: weight of the last pose error. certified: the proven one that the weights name, if they name "
@@ -116,6 +120,11 @@ class UpperSettings:
             heading_point=heading_point_of(self.method),
         )
         return replace(self, certified=certified)
+
+    @property
+    def knows_slide(self) -> bool:
+        """Whether the model has the sideways slide; that of a layer alone, or as printed, has no slip of any kind."""
+        return self.slide_compensation and self.layers == "double" and self.method == "improved"
 
     @property
     def period_s(self) -> float:

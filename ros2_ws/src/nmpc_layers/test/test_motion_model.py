@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nmpc_layers.sent_commands import GroundModel, predict
-from nmpc_layers.solver.motion_model import Motion, MotionParameters, next_state
+from nmpc_layers.solver.motion_model import PARAMETER_COUNT, Motion, MotionParameters, next_state
 from tracked_types import Pose2, Twist2, wrap_angle
 
 
@@ -13,7 +13,7 @@ from tracked_types import Pose2, Twist2, wrap_angle
 def step():
     def build(motion):
         state, command = casadi.SX.sym("state", motion.state_count), casadi.SX.sym("command", 2)
-        parameters = casadi.SX.sym("parameters", 7)
+        parameters = casadi.SX.sym("parameters", PARAMETER_COUNT)
         following = next_state(motion, state, command, parameters)
         function = casadi.Function("step", [state, command, parameters], [following])
         return lambda x, u, p: function(x, u, p.as_array()).full().ravel()
@@ -47,6 +47,12 @@ def test_slip_adds_to_the_motion_of_the_belts(step):
     assert step[Motion.KINEMATIC]([0.0, 0.0, 0.0], [0.1, 1.0], parameters) == pytest.approx([0.0, 0.0, 0.07])
 
 
+def test_slide_takes_the_motion_outwards_off_the_heading(step):
+    parameters = MotionParameters(period_s=0.1, heading_point=0.0, slide_s=0.2)
+    moved = step[Motion.KINEMATIC]([0.0, 0.0, 0.0], [0.5, 1.0], parameters)
+    assert moved == pytest.approx([0.05 * np.cos(0.2), -0.05 * np.sin(0.2), 0.1])
+
+
 def test_lag_is_the_exact_response_to_a_held_command(step):
     whole = MotionParameters(period_s=0.1, lag_s=0.06)
     parts = MotionParameters(period_s=0.1 / 500, lag_s=0.06)
@@ -64,13 +70,21 @@ def test_lag_is_the_exact_response_to_a_held_command(step):
     belts=st.tuples(st.floats(-0.5, 0.5), st.floats(-1.3, 1.3)),
     command=st.tuples(st.floats(-0.5, 0.5), st.floats(-1.3, 1.3)),
     slip=st.tuples(st.floats(-0.1, 0.1), st.floats(-1, 1)),
+    slide_s=st.floats(0.0, 0.3),
 )
-def test_delay_compensation_predicts_with_the_same_law(step, yaw, belts, command, slip):
+def test_delay_compensation_predicts_with_the_same_law(step, yaw, belts, command, slip, slide_s):
     parameters = MotionParameters(
-        period_s=0.04, speed_slip_mps=slip[0], yaw_slip_radps=slip[1], yaw_efficiency=0.8, lag_s=0.06
+        period_s=0.04,
+        speed_slip_mps=slip[0],
+        yaw_slip_radps=slip[1],
+        yaw_efficiency=0.8,
+        lag_s=0.06,
+        slide_s=slide_s,
     )
     expected = step[Motion.LAG]([1.0, 2.0, yaw, *belts], command, parameters)
-    ground = GroundModel(speed_slip_mps=slip[0], yaw_slip_radps=slip[1], yaw_efficiency=0.8, lag_s=0.06)
+    ground = GroundModel(
+        speed_slip_mps=slip[0], yaw_slip_radps=slip[1], yaw_efficiency=0.8, lag_s=0.06, slide_s=slide_s
+    )
     pose, twist = predict(Pose2(1.0, 2.0, yaw), Twist2(*belts), iter([(0.04, Twist2(*command))]), ground)
     expected[2] = wrap_angle(float(expected[2]))
     assert [pose.x_m, pose.y_m, pose.yaw_rad] == pytest.approx(expected[:3], abs=1e-12)

@@ -103,6 +103,49 @@ def test_heading_is_regulated_across_the_wrap(layer_with, odometry_at, straight,
     assert np.abs(turned).max() < 0.06 and turned[-1] < 0.0
 
 
+def plan_while_turning(layer, odometry_at, straight, slip=None):
+    if slip is not None:
+        layer.set_slip(slip)
+    return drive(layer, odometry_at, straight, 12, 13, speed=0.3, yaw_rate=0.5)[12].trajectory.states
+
+
+def test_learnt_slide_moves_the_plan_outwards(layer_with, odometry_at, slip_at, straight):
+    plain = plan_while_turning(layer_with(pipeline_latency_s=0.0), odometry_at, straight)
+    sliding = replace(slip_at(0.2), slide_s=0.2)
+    moved = plan_while_turning(layer_with(pipeline_latency_s=0.0), odometry_at, straight, sliding)
+    assert moved[0, 1] < plain[0, 1] - 1e-4
+
+
+@pytest.mark.parametrize(
+    ("tuning", "change"),
+    [
+        ({}, {"slide_s": math.nan}),
+        ({}, {"stamp_ns": to_nanoseconds(5.0)}),
+        ({"method": "thesis"}, {}),
+        ({"slide_compensation": False}, {}),
+    ],
+)
+def test_slide_that_is_unusable_or_not_wanted_changes_nothing(
+    layer_with, odometry_at, slip_at, straight, tuning, change
+):
+    plain = plan_while_turning(layer_with(pipeline_latency_s=0.0, **tuning), odometry_at, straight)
+    slip = replace(slip_at(0.2), **{"slide_s": 0.2, **change})
+    assert np.array_equal(
+        plan_while_turning(layer_with(pipeline_latency_s=0.0, **tuning), odometry_at, straight, slip), plain
+    )
+
+
+def test_lock_step_plans_with_the_slide_of_the_same_instant(layer_with, odometry_at, slip_at, straight):
+    layer = layer_with()
+    drive(layer, odometry_at, straight, 12, 22)
+    assert not layer.waits_for_slip(to_nanoseconds(0.4)), "none has ever come"
+    layer.set_slip(slip_at(0.38))
+    assert layer.waits_for_slip(to_nanoseconds(0.4))
+    assert not layer.waits_for_slip(to_nanoseconds(0.38)), "no plan is due"
+    layer.set_slip(slip_at(0.4))
+    assert not layer.waits_for_slip(to_nanoseconds(0.4))
+
+
 def test_no_reference_is_said_and_nothing_planned(layer_with, odometry_at, straight):
     outputs = drive(layer_with(), odometry_at, straight, 12, 40, reference=False)
     assert all(output.trajectory is None and not output.status.ok for output in outputs.values())

@@ -1,15 +1,20 @@
 """The lidar's pose: where, when, how late and how noisy."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from tracked_description import load_robot
+from tracked_lab import Conditions, drive
 from tracked_lab.closed_loop import ClosedLoop
 from tracked_lab.conditions import Link, Links
 from tracked_lab.kinematic_plant import KinematicPlant
 from tracked_lab.lidar_pose import LidarPose
 from tracked_lab.links import LinkScheduler
 from tracked_lab.stack import Stack
+from tracked_report.metrics import run_metrics
+from tracked_report.scenario import Scenario
 from tracked_types import BodyState, PeriodGrid, Pose2, angle_difference
 
 ROBOT = load_robot()
@@ -56,3 +61,24 @@ def test_the_filter_hears_of_it_eighty_milliseconds_late_and_later_over_a_slow_l
         loop.tick()
     assert len(heard) in (8, 9)
     assert heard == pytest.approx([late_s] * len(heard))
+
+
+def test_the_slide_that_poses_show_is_learnt_and_takes_the_robot_closer_to_its_path() -> None:
+    content: dict[str, Any] = {
+        "name": "slide",
+        "world": "flat",
+        "seed": 1001,
+        "duration_s": 10.0,
+        "pipeline_latency_s": 0.1,
+        "reference": {"shape": "s_curve"},
+        "variants": {
+            "learning": {},
+            "not_learning": {"parameters": {"ekf": {"slide_deviation_s": 0.0, "slide_walk_sqrt_s": 0.0}}},
+        },
+    }
+    conditions = Conditions(plant="kinematic", pose="lidar", slip_severity=2.0)
+    error = {}
+    for variant in content["variants"]:
+        record = drive(Scenario.model_validate(content), variant, conditions=conditions)
+        error[variant] = run_metrics(record).values["true.rms_y_m"]
+    assert error["learning"] < 0.8 * error["not_learning"]

@@ -79,7 +79,8 @@ class ClosedLoop:
     def _react(self, estimate: Estimate) -> None:
         slip = self._true_slip.get(estimate.odometry.stamp_ns) if self._oracle else None
         if slip is not None:
-            slip = replace(slip, speed_measured=estimate.slip.speed_measured)
+            shown = estimate.slip
+            slip = replace(slip, speed_measured=shown.speed_measured, slide_s=shown.slide_s)
         reaction = self._stack.react(estimate, slip)
         self._reactions.append(reaction)
         self._record(reaction)

@@ -7,7 +7,7 @@ import casadi
 import numpy as np
 from numpy.typing import NDArray
 
-from nmpc_layers.solver.motion_model import Motion, MotionParameters, next_state
+from nmpc_layers.solver.motion_model import PARAMETER_COUNT, Motion, MotionParameters, next_state
 from nmpc_layers.solver.problem import Problem
 from nmpc_layers.solver.terminal_weight import PACKED_COUNT, weighed
 from nmpc_layers.solver.weights import STAGE_COUNT, WEIGHT_COUNT
@@ -25,7 +25,7 @@ class OptiPeer:
         self._start, self._reference = opti.parameter(count), opti.parameter(3, horizon + 1)
         self._targets, self._parameters, self._weights = (
             opti.parameter(2, horizon),
-            opti.parameter(7),
+            opti.parameter(PARAMETER_COUNT),
             opti.parameter(WEIGHT_COUNT),
         )
         self._low, self._high = opti.parameter(2), opti.parameter(2)
@@ -81,7 +81,7 @@ class DoMpcPeer:
             model.set_variable("_tvp", "reference", (3, 1)),
             model.set_variable("_tvp", "target", (2, 1)),
         )
-        parameters = model.set_variable("_tvp", "parameters", (7, 1))
+        parameters = model.set_variable("_tvp", "parameters", (PARAMETER_COUNT, 1))
         last = model.set_variable("_tvp", "last", (PACKED_COUNT, 1))
         model.set_rhs("state", next_state(motion, state, command, parameters))
         model.setup()

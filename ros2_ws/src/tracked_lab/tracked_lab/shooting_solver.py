@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmpc_layers.solver import Motion, Problem
-from nmpc_layers.solver.motion_model import next_state
+from nmpc_layers.solver.motion_model import PARAMETER_COUNT, next_state
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,11 @@ class ShootingSolver:
         states = [symbol(f"x{stage}", 3) for stage in range(horizon + 1)]
         commands = [symbol(f"u{stage}", 2) for stage in range(horizon)]
         start, references = symbol("start", 3), symbol("references", 3, horizon + 1)
-        targets, parameters, weights = symbol("targets", 2, horizon), symbol("parameters", 7), symbol("weights", 5)
+        targets, parameters, weights = (
+            symbol("targets", 2, horizon),
+            symbol("parameters", PARAMETER_COUNT),
+            symbol("weights", 5),
+        )
         residuals, gaps, variables = [], [states[0] - start], []
         for stage in range(horizon + 1):
             grown = weights[4] if stage == horizon else 1.0

@@ -85,6 +85,7 @@ class NmpcLayers:
 
     def set_slip(self, slip: Slip) -> None:
         """The slip of the odometry that comes next."""
+        self.upper.set_slip(slip)
         if self.lower is not None:
             self.lower.set_slip(slip)
 

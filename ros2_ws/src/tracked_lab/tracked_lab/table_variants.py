@@ -57,7 +57,7 @@ TABLE_VARIANTS: Mapping[str, TableVariant] = {
     ),
     "double_without_slip": TableVariant(
         "both layers, improved, slip not compensated",
-        _nodes(lower_nmpc={"slip_compensation": False}),
+        _nodes(upper_nmpc={"slide_compensation": False}, lower_nmpc={"slip_compensation": False}),
         ("upper", "lower"),
     ),
     "double_as_printed": TableVariant("both layers as printed", Variant(method="thesis"), ("upper", "lower")),

@@ -1,7 +1,7 @@
 """How well a way to drive does on the tuning seeds, and the weights files that are tried.
 
-The score is the mean over the seeds of RMS and peak-to-peak errors in the true frame, each over a typical value, and a
-little of how much the commands change.
+The score is the mean over the seeds of RMS and peak-to-peak errors in the true frame, each over a typical value, of the
+time to recover from a sudden change of pose, and a little of how much the commands change.
 """
 
 from collections.abc import Mapping
@@ -22,6 +22,7 @@ from tracked_report.scenario import Reference, Scenario, Variant
 SEEDS = tuple(range(1000, 1008))
 """For tuning only: no figure is reported on seeds from 1000 on."""
 LATENCY_S, DURATION_S = 0.1, 10.0
+LONGEST_RECOVERY_S = 3.0
 _TYPICAL = {"x_m": 0.02, "y_m": 0.02, "theta_rad": 0.06}
 _RANGES = {"heading": (0.3, 30.0), "speed": (0.05, 20.0), "yaw_rate": (0.01, 5.0), "terminal": (1.0, 30.0)}
 _POSITION = 20.0  # only ratios of weights matter
@@ -75,5 +76,7 @@ def score(variant: Variant, conditions: Conditions, seed: int) -> float:
     total = 0.0
     for axis, typical in _TYPICAL.items():
         total += values[f"true.rms_{axis}"] / typical + 0.25 * values[f"true.ptop_{axis}"] / (4.0 * typical)
+    if conditions.obstacle:
+        total += 0.5 * min(values.get("true.recovery_s", LONGEST_RECOVERY_S), LONGEST_RECOVERY_S)
     total += 0.1 * values["command.rms_acceleration_mps2"] / 0.5
     return total + 0.1 * values["command.rms_yaw_acceleration_radps2"] / 2.0

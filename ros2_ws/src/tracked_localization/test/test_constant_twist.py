@@ -50,6 +50,11 @@ def test_derivatives_are_those_of_the_displacement(yaw, speed, rate, duration, s
         return (getattr(constant_twist_step(**up), of) - getattr(constant_twist_step(**down), of)) / (2.0 * small)
 
     for axis in ("x", "y"):
-        for suffix, name in (("yaw", "yaw_rad"), ("speed", "speed_mps"), ("rate", "yaw_rate_radps")):
+        for suffix, name in (
+            ("yaw", "yaw_rad"),
+            ("speed", "speed_mps"),
+            ("rate", "yaw_rate_radps"),
+            ("slide", "slide_s"),
+        ):
             expected = slope(f"{axis}_m", **{name: 1})
             assert getattr(step, f"{axis}_per_{suffix}") == pytest.approx(expected, abs=1e-6)

@@ -99,6 +99,18 @@ def test_poses_show_how_much_of_the_speed_the_ground_takes(settings, crawler, dr
     assert last.slip.speed_mps == pytest.approx(-0.35 * (1.0 - 0.99 * 0.9), abs=0.01)
 
 
+def test_poses_show_how_far_the_tracks_slide_outwards(settings, crawler, drives):
+    crawl = crawler(drives.wandering(7), seed=7, slide_s=0.15)
+    _, helped = run(OdometryFilter(settings), crawl.run(30.0), seed=3)
+    assert helped[-1].slip.slide_s == pytest.approx(0.15, abs=0.05)
+
+
+def test_without_poses_the_slide_is_that_of_the_settings(robot, crawler, drives):
+    made = OdometryFilter(OdometryFilterSettings.from_robot(robot, slide_s=0.12))
+    _, alone = run(made, crawler(drives.wandering(7), seed=7).run(3.0), change=lambda _sample: None)
+    assert {estimate.slip.slide_s for estimate in alone} == {0.12}
+
+
 def test_the_covariance_with_late_poses_tells_how_wrong_the_pose_is(settings, crawler, drives):
     squares = []
     for seed in range(12):

@@ -12,7 +12,7 @@ DT = 1.0 / 120.0
 
 def test_acceleration_reaches_the_pose_by_way_of_the_speeds():
     step = constant_twist_step(0.3, 0.4, 0.5, DT)
-    change = transition(step, DT, 1.0, 0.4, 0.0) @ np.eye(SIZE)[ACCELERATION]
+    change = transition(step, DT, 1.0, 0.4, 0.0, learning=True) @ np.eye(SIZE)[ACCELERATION]
     assert change[:2] == pytest.approx([step.x_per_speed * DT, step.y_per_speed * DT])
     assert change[3] == pytest.approx(DT)
     assert change[6] == pytest.approx(DT * DT)
@@ -26,7 +26,7 @@ def test_a_share_lost_to_the_ground_moves_the_pose_less(heading, belts, rate, lo
         return np.array([step.x_m, step.y_m])
 
     step = constant_twist_step(heading, (1.0 - lost) * belts, rate, DT)
-    slope = transition(step, DT, 1.0, belts, lost)[:2, SHARE]
+    slope = transition(step, DT, 1.0, belts, lost, learning=True)[:2, SHARE]
     assert slope == pytest.approx((place(lost + 1e-6) - place(lost - 1e-6)) / 2e-6, abs=1e-9)
 
 

@@ -11,7 +11,8 @@ _LARGEST_SLIP_ANGLE_RAD = 0.5
 class TwistStep:
     """Displacement over one step and its partial derivatives.
 
-    x_m, y_m are in the fixed frame; x_per_yaw = dx/dyaw (m/rad), x_per_speed (s), x_per_rate (m s/rad).
+    x_m, y_m are in the fixed frame; x_per_yaw = dx/dyaw (m/rad), x_per_speed (s), x_per_rate (m s/rad),
+    x_per_slide (m/s).
     """
 
     x_m: float
@@ -24,6 +25,8 @@ class TwistStep:
     y_per_speed: float
     x_per_rate: float
     y_per_rate: float
+    x_per_slide: float
+    y_per_slide: float
 
 
 def constant_twist_step(
@@ -47,8 +50,10 @@ def constant_twist_step(
     stretch = duration_s / math.cos(slip_angle)
     reach = stretch * shortening
     chord = speed_mps * reach
-    sliding = slide_s if abs(slip_angle) < _LARGEST_SLIP_ANGLE_RAD else 0.0
-    along = 0.5 * duration_s * speed_mps * stretch * slope + chord * sliding * math.tan(slip_angle)
+    limited = abs(slip_angle) >= _LARGEST_SLIP_ANGLE_RAD
+    sliding, tangent = 0.0 if limited else slide_s, math.tan(slip_angle)
+    off = 0.0 if limited else chord * yaw_rate_radps
+    along = 0.5 * duration_s * speed_mps * stretch * slope + chord * sliding * tangent
     across = chord * (0.5 * duration_s - sliding)
     return TwistStep(
         x_m=chord * cosine,
@@ -61,4 +66,6 @@ def constant_twist_step(
         y_per_speed=reach * sine,
         x_per_rate=along * cosine - across * sine,
         y_per_rate=along * sine + across * cosine,
+        x_per_slide=off * (sine + cosine * tangent),
+        y_per_slide=off * (sine * tangent - cosine),
     )

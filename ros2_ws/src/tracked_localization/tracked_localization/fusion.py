@@ -1,7 +1,7 @@
 """Fusion of samples that come in the order of their stamps."""
 
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import cast
 
 from tracked_localization.belt_pair import BeltMotion, BeltPair
@@ -82,8 +82,9 @@ class SensorFusion:
         return self._filter.odometry(stamp_ns)
 
     def slip(self, instant_ns: int) -> Slip:
-        """Slip over the last belt period, stamped; unknown if that is long ago."""
-        return slip_at(self._inputs.slip, instant_ns, self._settings.silence_s)
+        """Slip over the last belt period, stamped, unknown if that is long ago; with the slide in any case."""
+        slip = slip_at(self._inputs.slip, instant_ns, self._settings.silence_s)
+        return replace(slip, slide_s=self._filter.slide_s)
 
     def restart(self, pose: Pose2) -> None:
         """Put the robot at ``pose``, surely known."""

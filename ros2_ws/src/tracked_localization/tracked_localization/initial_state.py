@@ -9,6 +9,7 @@ from tracked_localization.state import (
     ROLLED,
     SHARE,
     SIZE,
+    SLIDE,
     SPEED,
     YAW,
     YAW_ACCELERATION,
@@ -30,9 +31,10 @@ def initial_state(
     *,
     share_is_learnt: bool,
 ) -> tuple[Array, Array]:
-    """State (10,) and covariance (10, 10) at ``pose`` with unknown speeds; ``bias``: the gyro's, and its variance."""
+    """State (11,) and covariance (11, 11) at ``pose`` with unknown speeds; ``bias``: the gyro's, and its variance."""
     state, covariance = np.zeros(SIZE), np.zeros((SIZE, SIZE))
     state[[X, Y, YAW, BIAS]] = pose.x_m, pose.y_m, wrap_angle(pose.yaw_rad), bias[0]
+    state[SLIDE] = settings.slide_s
     covariance[:3, :3] = pose_covariance
     for component, deviation in (
         (SPEED, 0.3 * settings.belt_speed_limit_mps),
@@ -40,6 +42,7 @@ def initial_state(
         (ACCELERATION, 0.3 * settings.belt_acceleration_mps2),
         (YAW_ACCELERATION, 0.3 * settings.body_yaw_acceleration_radps2),
         (SHARE, settings.longitudinal_slip if share_is_learnt else 0.0),
+        (SLIDE, settings.slide_deviation_s if share_is_learnt else 0.0),
     ):
         covariance[component, component] = deviation**2
     covariance[BIAS, BIAS] = bias[1]

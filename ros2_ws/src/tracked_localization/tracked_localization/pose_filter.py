@@ -19,6 +19,7 @@ from tracked_localization.state import (
     ROLLED,
     SHARE,
     SIZE,
+    SLIDE,
     SPEED,
     YAW,
     YAW_ACCELERATION,
@@ -46,12 +47,12 @@ _ROLLED_ROW = row(ROLLED)
 class PoseFilter:
     """Where a slipping tracked robot is, from the distance its belts roll and the rate its gyro shows.
 
-    State: x, y, yaw, forward speed, yaw rate, gyro bias, rolled distance, and both accelerations, which
-    fade within moments. Both speeds are means over the step that ended last, because that is what the
-    sensors measure: a gyro its mean rate over a period, a belt counter the distance. The rolled distance
-    makes the counter a direct measurement, so that rounding to ticks stays an error of the distance and
-    does not grow into one of the speed. The belts witness forward speed only: their yaw rate is wrong by
-    a fifth on tracks.
+    State: x, y, yaw, forward speed, yaw rate, gyro bias, rolled distance, both accelerations, which fade within
+    moments, and two properties of the ground that only measured poses show: the share of the belts' speed that it
+    takes, and the slide. Both speeds are means over the step that ended last, because that is what the sensors
+    measure: a gyro its mean rate over a period, a belt counter the distance. The rolled distance makes the counter
+    a direct measurement, so that rounding to ticks stays an error of the distance and does not grow into one of the
+    speed. The belts witness forward speed only: their yaw rate is wrong by a fifth on tracks.
     """
 
     def __init__(self, settings: OdometryFilterSettings) -> None:
@@ -74,7 +75,7 @@ class PoseFilter:
 
     @property
     def covariance(self) -> Array:
-        """Covariance (10, 10) of the state; a copy."""
+        """Covariance (11, 11) of the state; a copy."""
         return np.array(self._ekf.P)
 
     @property
@@ -109,6 +110,11 @@ class PoseFilter:
             return None
         return float(self._ekf.x[SHARE]), float(self._ekf.P[SHARE, SHARE])
 
+    @property
+    def slide_s(self) -> float:
+        """Angle by which the robot moves outwards off its heading, per yaw rate."""
+        return float(self._ekf.x[SLIDE])
+
     def restart(self, pose: Pose2) -> None:
         """Begin anew at ``pose``, surely known, with unknown speeds; the gyro's bias is kept."""
         self._begin(pose, np.diag([_START_VARIANCE] * 3))
@@ -136,14 +142,16 @@ class PoseFilter:
         rate = float(state[YAW_RATE]) + duration_s * float(state[YAW_ACCELERATION])
         state[SPEED], state[YAW_RATE] = speed, rate
         lost = float(state[SHARE])
-        self._step = constant_twist_step(heading, (1.0 - lost) * speed, rate, duration_s, settings.slide_s)
+        self._step = constant_twist_step(heading, (1.0 - lost) * speed, rate, duration_s, float(state[SLIDE]))
         self._rolled_step_m = duration_s * speed
-        # An unknown share that nobody learns stays out of the game.
-        seen = speed if self.memory.active else 0.0
-        self._ekf.F = transition(self._step, duration_s, fading, seen, lost)
-        self._ekf.Q = unseen_motion(settings, heading, speed, rate, duration_s, gyro_fails=gyro_fails)
-        if self.memory.active:
+        learning = self.memory.active
+        self._ekf.F = transition(self._step, duration_s, fading, speed, lost, learning=learning)
+        self._ekf.Q = unseen_motion(
+            settings, heading, speed, rate, duration_s, gyro_fails=gyro_fails, learning=learning
+        )
+        if learning:
             self._ekf.Q[SHARE, SHARE] = settings.slip_share_walk_sqrt_s**2 * duration_s
+            self._ekf.Q[SLIDE, SLIDE] = settings.slide_walk_sqrt_s**2 * duration_s
         self._ekf.predict()
         self.memory.carry(self._ekf.F)
         bound(self._ekf.P)
@@ -224,10 +232,11 @@ class PoseFilter:
         self.memory.drop(BIAS)
 
     def expect_poses(self) -> None:
-        """Poses will show how much of the belts' speed the ground gives back: learn that share from now on."""
+        """Poses will show how much of the belts' speed the ground gives back, and the slide: learn both from now on."""
         if not self.memory.active:
             self.memory.begin()
             self._ekf.P[SHARE, SHARE] = self._settings.longitudinal_slip**2
+            self._ekf.P[SLIDE, SLIDE] = self._settings.slide_deviation_s**2
 
     def remember(self, stamp_ns: int) -> None:
         """Keep the present state for measurements of it that are still to come."""

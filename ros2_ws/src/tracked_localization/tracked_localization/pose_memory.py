@@ -19,7 +19,7 @@ _IDENTITY = np.eye(SIZE)
 
 @dataclass(slots=True)
 class Snapshot:
-    """State (10,) and covariance (10, 10) at one instant, and what becomes of their errors until the next one."""
+    """State (11,) and covariance (11, 11) at one instant, and what becomes of their errors until the next one."""
 
     stamp_ns: int
     state: Array
@@ -49,13 +49,13 @@ class PoseMemory:
         self._snapshots.clear()
 
     def carry(self, change: Array) -> None:
-        """Errors of the state were multiplied by ``change`` (10, 10)."""
+        """Errors of the state were multiplied by ``change`` (11, 11)."""
         if self._snapshots:
             last = self._snapshots[-1]
             last.onward = change @ last.onward
 
     def correct(self, gain: Array, measured: Array) -> None:
-        """The state was corrected with ``gain`` (10, 1) by a measurement of the row ``measured`` (1, 10)."""
+        """The state was corrected with ``gain`` (11, 1) by a measurement of the row ``measured`` (1, 11)."""
         if self._snapshots:
             last = self._snapshots[-1]
             last.onward -= gain @ (measured @ last.onward)

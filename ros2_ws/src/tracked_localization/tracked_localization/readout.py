@@ -8,7 +8,7 @@ from tracked_types import Odometry, Pose2, Twist2
 def odometry_of(
     state: Array, covariance: Array, settings: OdometryFilterSettings, stamp_ns: int, *, share_is_learnt: bool
 ) -> Odometry:
-    """State (10,) and covariance (10, 10) as odometry.
+    """State (11,) and covariance (11, 11) as odometry.
 
     Where poses show the share that the ground takes of the belts' speed, the twist is that over ground.
     """

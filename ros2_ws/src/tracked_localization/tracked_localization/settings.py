@@ -87,14 +87,23 @@ class OdometryFilterSettings:
     )
     slide_s: float = setting(
         0.0,
-        "angle between motion and heading per yaw rate: tracks slide outwards in curves. 0: unknown, and the control "
-        "layers, whose model has no slide, keep heading and path together",
+        "angle between motion and heading per yaw rate: tracks slide outwards in curves. Where measured poses show it, "
+        "this is what they start from",
         unit="s",
         low=0.0,
         high=1.0,
     )
+    slide_deviation_s: float = setting(
+        0.1, "how far off slide_s is (one sigma), where measured poses let it be learnt", unit="s", low=0.0, high=1.0
+    )
+    slide_walk_sqrt_s: float = setting(
+        0.01, "how fast it changes then (one sigma after a second)", unit="s/sqrt(s)", low=0.0, high=1.0
+    )
     lateral_slip_m: float = setting(
         0.07, "sideways speed per yaw rate (one sigma); no sensor sees it", unit="m", low=0.0, high=1.0
+    )
+    lateral_slip_beside_slide_m: float = setting(
+        0.03, "the same where measured poses let the slide be learnt", unit="m", low=0.0, high=1.0
     )
     settling_yaw_rad: float = setting(
         0.004, "turn that a stopping robot may still make on its belts (one sigma)", unit="rad", low=0.0, high=0.1

@@ -5,6 +5,7 @@ from functools import partial
 
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry as OdometryMessage
+from tracked_interfaces.msg import SlipEstimate as SlipMessage
 from tracked_interfaces.msg import SolverStatus as SolverStatusMessage
 from tracked_interfaces.msg import Trajectory as TrajectoryMessage
 
@@ -16,24 +17,25 @@ from node_kit.conversions import (
     command_from_message,
     command_to_message,
     odometry_from_message,
+    slip_from_message,
     solver_status_to_message,
     trajectory_from_message,
     trajectory_to_message,
 )
 from tracked_description import ROBOT_FILE, load_robot
-from tracked_types import Odometry, VelocityCommand
+from tracked_types import Odometry, Slip, VelocityCommand
 
 PARAMETERS = ParameterTable.from_settings(
     UpperSettings,
     extra=(
-        Parameter("lock_step", False, "withhold each plan until the word on the last command has arrived"),
+        Parameter("lock_step", False, "withhold each plan until slip and the word on the last command have arrived"),
         Parameter(*ROBOT_FILE),
     ),
 )
 
 
 class UpperNmpcNode(StackNode):
-    """Subscribes odom, reference_trajectory, cmd_vel; publishes its trajectory, its status, alone also cmd_vel_nav."""
+    """Subscribes odom, slip, reference_trajectory, cmd_vel; publishes trajectory and status, alone also cmd_vel_nav."""
 
     NAME = "upper_nmpc"
     PARAMETERS = PARAMETERS
@@ -62,10 +64,17 @@ class UpperNmpcNode(StackNode):
             qos.STATE,
             expected_frame=odom_frame,
         )
+        base_frame = self.frame(robot.frames.base_footprint)
+        self.subscribe_typed(SlipMessage, "slip", slip_from_message, self.on_slip, qos.STATE, expected_frame=base_frame)
         self.subscribe_typed(TwistStamped, "cmd_vel", command_from_message, self.on_sent, qos.COMMAND)
         self.subscribe_typed(
             OdometryMessage, "odom", odometry_from_message, self.odometry.add, qos.STATE, expected_frame=odom_frame
         )
+
+    def on_slip(self, slip: Slip) -> None:
+        """The slip estimate; in lock-step a plan may have waited for it."""
+        self.layer.set_slip(slip)
+        self.odometry.work_off()
 
     def on_sent(self, command: VelocityCommand) -> None:
         """Word of what was sent; in lock-step a plan may have waited for it."""
@@ -74,7 +83,7 @@ class UpperNmpcNode(StackNode):
 
     def must_wait(self, stamp_ns: int) -> bool:
         """Whether the tick of a stamp lacks what lock-step promises it."""
-        return self.lock_step and self.layer.waits_for_sent(stamp_ns)
+        return self.lock_step and (self.layer.waits_for_sent(stamp_ns) or self.layer.waits_for_slip(stamp_ns))
 
     def tick(self, odometry: Odometry) -> None:
         """Publish what one odometry brings about."""

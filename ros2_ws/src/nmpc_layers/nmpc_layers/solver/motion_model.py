@@ -31,7 +31,8 @@ class MotionParameters:
     period_s: length of one step. heading_point: where in the step its heading is taken, 0 as printed in
     (5.2.1), 0.5 for the midpoint rule (erratum 5.2.4). speed_slip_mps, yaw_slip_radps: additive slip g of
     (5.2.11), frozen over the horizon (erratum 5.2.6). yaw_efficiency: ground yaw rate per belt yaw rate
-    that the model expects, slip being what remains. lag_s: time constant of the belts (Motion.LAG only).
+    that the model expects, slip being what remains. lag_s: time constant of the belts (Motion.LAG only). slide_s: angle
+    by which the base moves outwards off its heading, per yaw rate.
     """
 
     period_s: float
@@ -40,9 +41,10 @@ class MotionParameters:
     yaw_slip_radps: float = 0.0
     yaw_efficiency: float = 1.0
     lag_s: float = 0.06
+    slide_s: float = 0.0
 
     def as_array(self) -> NDArray[np.float64]:
-        """The model's parameter vector, shape (7,).
+        """The model's parameter vector, shape (8,).
 
         The exponential of the lag is taken here, once per problem, and not in every stage.
         """
@@ -57,25 +59,26 @@ class MotionParameters:
                 self.yaw_efficiency,
                 decay,
                 mean,
+                self.slide_s,
             ]
         )
 
 
-PARAMETER_COUNT = 7
+PARAMETER_COUNT = 8
 
 
 def next_state(motion: Motion, state: Expression, command: Expression, parameters: Expression) -> Expression:
     """State one step later: x+ = x + f(x, u) + g(x, u) (erratum 5.2.6).
 
     state: (3,) or (5,), see `Motion`; command: (2,) speed and yaw rate asked of the belts;
-    parameters: (7,) as `MotionParameters.as_array`. The lag is the exact response to a constant command:
+    parameters: (8,) as `MotionParameters.as_array`. The lag is the exact response to a constant command:
     the pose moves with the belts' mean over the step.
     """
-    period, heading_point, speed_slip, yaw_slip, yaw_efficiency, decay, mean = casadi.vertsplit(parameters)
+    period, heading_point, speed_slip, yaw_slip, yaw_efficiency, decay, mean, slide = casadi.vertsplit(parameters)
     belts = command if motion is Motion.KINEMATIC else command + mean * (state[3:5] - command)
     speed = belts[0] + speed_slip
     yaw_rate = yaw_efficiency * belts[1] + yaw_slip
-    heading = state[2] + heading_point * period * yaw_rate
+    heading = state[2] + heading_point * period * yaw_rate - slide * yaw_rate
     pose = state[:3] + period * casadi.vertcat(speed * casadi.cos(heading), speed * casadi.sin(heading), yaw_rate)
     if motion is Motion.KINEMATIC:
         return pose

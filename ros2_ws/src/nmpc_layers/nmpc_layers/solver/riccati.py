@@ -27,7 +27,7 @@ def riccati_iteration(motion: Motion, horizon: int) -> Function:
     """Build the iteration for ``horizon`` stages.
 
     Inputs: start (n,), commands (2, N), state_reference (3, N+1), input_reference (2, N),
-    parameters (7,), weights (11,), bounds (4, N): low then high of each stage's command, to which the given
+    parameters (8,), weights (11,), bounds (4, N): low then high of each stage's command, to which the given
     commands are clipped first.
     Outputs: new_commands (2, N); their cost; the old cost; the largest change of a command; the cost
     change that the quadratic model expected (not positive); states (n, N+1) of the new commands.

@@ -23,6 +23,7 @@ def slip_from_message(message: SlipEstimate) -> Slip:
         require_not_negative("yaw_rate_variance", message.yaw_rate_variance),
         bool(message.known),
         bool(message.speed_measured),
+        require_finite("slide", message.slide),
     )
 
 
@@ -36,4 +37,5 @@ def slip_to_message(slip: Slip, into: SlipEstimate | None = None, *, frame_id: s
     message.yaw_rate_variance = float(slip.yaw_rate_variance)
     message.known = bool(slip.known)
     message.speed_measured = bool(slip.speed_measured)
+    message.slide = float(slip.slide_s)
     return message

@@ -16,8 +16,8 @@ from tracked_report.run_record import RunRecord
 from tracked_report.scenario import Scenario
 from tracked_types.checked_yaml import CheckedModel
 
-FORMAT = 1
-"""Of keys and stored rows; a store of another format is refused."""
+FORMAT = 2
+"""Of keys and stored rows; raised also where the same inputs give other figures. A store of another one is refused."""
 
 
 class UnknownWayError(ValueError):
