@@ -1,0 +1,331 @@
+"""Slip from three witnesses: belts, gyro and the motion of scans."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracked_localization.matching.pose_history import PoseHistory
+from tracked_localization.matching.scan_points import scan_points
+from tracked_localization.slip import unknown_slip
+from tracked_localization.witness.felt_speed import FeltSpeed
+from tracked_localization.witness.motion_record import MotionRecord
+from tracked_localization.witness.scan_motion import ScanMotion, ScanMotionSettings, ScanStep
+from tracked_localization.witness.settings import WitnessSettings
+from tracked_localization.witness.tilt import Tilt, levelled, sensor_shift
+from tracked_localization.witness.traction import Evidence, Grip, Traction
+from tracked_localization.witness.walking_value import WalkingValue
+from tracked_types import (
+    ImuSample,
+    LaserScan,
+    Odometry,
+    Pose2,
+    Slip,
+    StampOrder,
+    TrackSample,
+    Twist2,
+    seconds_between,
+    to_nanoseconds,
+)
+
+Array = NDArray[np.float64]
+_LONGEST_GAP_S = 0.1
+_NO_COVARIANCE3, _NO_COVARIANCE2 = np.zeros((3, 3)), np.zeros((2, 2))
+_TILT_SHARE = 0.3  # of the lidar's way by tilting, that may be wrong
+_FULL_TURN_SEEN = 0.01  # rad: deviation up to which a scan bears witness of the heading
+
+
+@dataclass(frozen=True, slots=True)
+class Witnessed:
+    """What is known of slip at the stamp of one encoder sample.
+
+    slip: in the shape that controllers take; its speed is measured. lost_share: share of the belts' travel that the
+    ground takes, and its variance, which grows where scans do not show it. yaw_multiplier: yaw rate over ground per yaw
+    rate of the belts on the present ground. gyro_bias_radps: as scans and rest show it. grip: whether the robot follows
+    its tracks; witness: who says so, and reason: in words, empty while all is well.
+    """
+
+    stamp_ns: int
+    slip: Slip
+    lost_share: float
+    lost_share_variance: float
+    yaw_multiplier: float
+    yaw_multiplier_variance: float
+    gyro_bias_radps: float
+    gyro_bias_variance: float
+    grip: Grip
+    witness: str
+    reason: str
+
+
+class SlipWitness:
+    """Takes samples in the order in which they come; each stream's own stamps must advance.
+
+    The yaw slip is gyro less belts and follows at once. The longitudinal slip is seen by scans alone, an interval of
+    which ends half a revolution ago. Whoever is silent or refused leaves the others their say, and variances grow.
+    """
+
+    def __init__(self, settings: WitnessSettings, scanning: ScanMotionSettings | None = None) -> None:
+        self._settings = settings
+        self._motion = ScanMotion(scanning or ScanMotionSettings())
+        self._orders = {name: StampOrder() for name in ("imu", "tracks", "scan")}
+        self.refused: dict[str, int] = {}
+        self._felt = FeltSpeed()
+        self._traction = Traction(settings)
+        self._restart()
+
+    def _restart(self) -> None:
+        settings = self._settings
+        self._belts = MotionRecord(2)  # m along, rad of turn
+        self._gyro = MotionRecord(3)  # rad of turn, pitch and roll
+        self._tilt = Tilt()
+        self._history = PoseHistory()
+        self._felt.clear()
+        self._traction.clear()
+        self._motion.restart()
+        self._share = WalkingValue(
+            0.0, settings.share_deviation**2, settings.share_walk_sqrt_s, settings.share_deviation**2
+        )
+        self._multiplier = WalkingValue(
+            settings.yaw_multiplier,
+            settings.multiplier_deviation**2,
+            settings.multiplier_walk_sqrt_s,
+            settings.multiplier_deviation**2,
+        )
+        bias_variance = settings.initial_bias_deviation_radps**2
+        self._bias = WalkingValue(0.0, bias_variance, settings.bias_walk_radps_sqrt_s, bias_variance)
+        self._travel: tuple[float, float] | None = None
+        self._pose = Pose2(0.0, 0.0, 0.0)
+        self._belt_mps = self._belt_radps = 0.0
+        self._accelerates = False
+        self._scan_ns: int | None = None
+        self._lost_by_scan: tuple[int, float] | None = None
+        self._turn_by_scan: tuple[int, float] | None = None
+
+    def add_imu(self, sample: ImuSample) -> None:
+        """Take one sample in."""
+        settings = self._settings
+        rates, forces = sample.angular_velocity_radps, sample.linear_acceleration_mps2
+        if not (np.isfinite(rates).all() and np.isfinite(forces).all()):
+            self._refuse("imu: not finite")
+            return
+        yaw_rate = float(np.dot(settings.imu_up, rates))
+        pitch_rate, roll_rate = float(np.dot(settings.imu_left, rates)), float(np.dot(settings.imu_forward, rates))
+        ahead = float(np.dot(settings.imu_forward, forces))
+        duration = self._advance("imu", sample.stamp_ns)
+        if duration is None:
+            return
+        if not 0.0 < duration <= _LONGEST_GAP_S:
+            self._gyro.clear()
+            self._felt.clear()
+            self._tilt.clear()
+            self._gyro.add(sample.stamp_ns, 0.0, 0.0, 0.0)
+            return
+        self._gyro.add(sample.stamp_ns, yaw_rate * duration, *self._tilt.add(duration, pitch_rate, roll_rate))
+        steady = not self._accelerates and self._traction.grip is not Grip.BLOCKED
+        self._felt.add_imu(duration, ahead, pitch_rate, steady=steady)
+
+    def add_tracks(self, sample: TrackSample) -> Witnessed | None:
+        """Take one sample in; what is known then, None with the first one or one that is refused."""
+        if not math.isfinite(sample.left_travel_m + sample.right_travel_m):
+            self._refuse("tracks: not finite")
+            return None
+        duration = self._advance("tracks", sample.stamp_ns)
+        if duration is None:
+            return None
+        before, self._travel = self._travel, (sample.left_travel_m, sample.right_travel_m)
+        if before is None or not 0.0 < duration <= _LONGEST_GAP_S:
+            self._belts.clear()
+            self._belts.add(sample.stamp_ns, 0.0, 0.0)
+            return None
+        left, right = self._travel[0] - before[0], self._travel[1] - before[1]
+        if max(abs(left), abs(right)) > 2.0 * self._settings.belt_speed_limit_mps * duration:
+            self._refuse("tracks: jump")
+            self._belts.clear()
+            self._belts.add(sample.stamp_ns, 0.0, 0.0)
+            return None
+        return self._roll(sample.stamp_ns, left, right, duration)
+
+    def add_scan(self, scan: LaserScan) -> ScanStep | None:
+        """Take one scan in; None if nothing is known of the motion since the last one."""
+        if self._advance("scan", scan.stamp_ns) is None:
+            return None
+        settings = self._settings
+        tilt = self._gyro.at(scan.stamp_ns + to_nanoseconds(0.5 * scan.time_increment_s * len(scan.ranges_m)))
+        if tilt is not None:
+            scan = levelled(scan, settings.lidar.yaw_rad, settings.lidar_height_m, float(tilt[1]), float(tilt[2]))
+        points = scan_points(scan, settings.lidar, self._history)
+        last_ns, self._scan_ns = self._scan_ns, points.stamp_ns
+        here = self._history.at(np.array([points.stamp_ns], np.int64))
+        since = None if last_ns is None else self._history.at(np.array([last_ns], np.int64))
+        if here is None:
+            self._refuse("scan: nothing heard of the motion meanwhile")
+            self._motion.restart()
+            return None
+        if since is None:
+            self._motion.restart()
+            since = here
+        motion = Pose2(*since[0].tolist()).inverse().compose(Pose2(*here[0].tolist()))
+        duration = 0.0 if last_ns is None else seconds_between(points.stamp_ns, last_ns)
+        step = self._motion.add(points, motion, self._covariance_of(motion, duration))
+        if last_ns is not None and step.step is not None:
+            shifts = self._shift(last_ns), self._shift(points.stamp_ns)
+            of_base = shifts[0].compose(step.step).compose(shifts[1].inverse())
+            unsure = settings.step_deviation_m**2 + (_TILT_SHARE * (shifts[1].x_m - shifts[0].x_m)) ** 2
+            spread = step.step_covariance + np.diag([unsure, unsure, 0.0])
+            self._learn(last_ns, points.stamp_ns, of_base, spread)
+        return step
+
+    def _roll(self, stamp_ns: int, left_m: float, right_m: float, duration: float) -> Witnessed:
+        settings = self._settings
+        travel, asked = 0.5 * (left_m + right_m), (right_m - left_m) / settings.gauge_m
+        speed, rate = travel / duration, asked / duration
+        self._accelerates = abs(speed - self._belt_mps) > 0.3 * duration + settings.encoder_tick_m / duration
+        self._belt_mps, self._belt_radps = speed, rate
+        self._belts.add(stamp_ns, travel, asked)
+        for value in (self._share, self._multiplier, self._bias):
+            value.pass_time(duration)
+        turned = self._gyro.between(stamp_ns - to_nanoseconds(duration), stamp_ns)
+        turn = None if turned is None else float(turned[0]) - self._bias.value * duration
+        if turn is not None and abs(rate) > settings.least_belt_yaw_rate_radps:
+            self._multiplier.measure(turn / asked, self._yaw_variance(duration) / rate**2)
+        was_blocked = self._traction.ahead
+        grip = self._judge(stamp_ns)
+        if self._traction.ahead and not was_blocked:
+            self._felt.doubt()
+        lost = 1.0 if self._traction.ahead else self._share.value
+        ground = (1.0 - lost) * speed
+        self._felt.believe(stamp_ns, ground)
+        self._carry_on(
+            stamp_ns, (1.0 - lost) * travel, turn if turn is not None else self._multiplier.value * asked, duration
+        )
+        reason = ""
+        if grip is Grip.BLOCKED:
+            what = f"at {speed:.2f} m/s" if self._traction.ahead else f"for {rate:.2f} rad/s"
+            reason = f"{grip.value}: tracks run {what}, {self._traction.witness} sees no motion"
+        slip = self._slip(stamp_ns, lost, None if turn is None else turn / duration, duration)
+        return Witnessed(
+            stamp_ns,
+            slip,
+            self._share.value,
+            self._share.variance,
+            self._multiplier.value,
+            self._multiplier.variance,
+            self._bias.value,
+            self._bias.variance,
+            grip,
+            self._traction.witness,
+            reason,
+        )
+
+    def _slip(self, stamp_ns: int, lost: float, yaw_rate: float | None, duration: float) -> Slip:
+        settings, speed, rate = self._settings, self._belt_mps, self._belt_radps
+        if yaw_rate is None or abs(speed) + 0.5 * settings.gauge_m * abs(rate) < settings.encoder_tick_m / duration:
+            return unknown_slip(stamp_ns)
+        ahead_variance = self._share.variance * speed**2 + settings.encoder_tick_m**2 / (12.0 * duration**2)
+        yaw_slip, yaw_variance = yaw_rate - rate, self._yaw_variance(duration)
+        if abs(rate) > settings.least_belt_yaw_rate_radps:
+            # A period's counts are rounded: the multiplier, which follows within moments, says it better.
+            yaw_slip = (self._multiplier.value - 1.0) * rate
+            yaw_variance = self._multiplier.variance * rate**2
+        return Slip(stamp_ns, -lost * speed, yaw_slip, ahead_variance, yaw_variance, known=True, speed_measured=True)
+
+    def _yaw_variance(self, duration: float) -> float:
+        """Variance of the gyro's mean rate less the belts' over one period, (rad/s)^2."""
+        settings = self._settings
+        rounding = settings.encoder_tick_m**2 / (3.0 * (settings.gauge_m * duration) ** 2)
+        return settings.gyro_noise_radps**2 * settings.imu_period_s / duration + self._bias.variance + rounding
+
+    def _judge(self, stamp_ns: int) -> Grip:
+        window_ns = to_nanoseconds(Traction.TURN_WINDOW_S)
+        gyro = self._gyro.between(stamp_ns - window_ns, stamp_ns)
+        belts = self._belts.between(stamp_ns - window_ns, stamp_ns)
+        turned = None if gyro is None else float(gyro[0]) - self._bias.value * Traction.TURN_WINDOW_S
+        return self._traction.update(
+            Evidence(
+                stamp_ns,
+                self._belt_mps,
+                self._belt_radps,
+                self._felt.speed_mps,
+                turned,
+                None if belts is None else float(belts[1]),
+                self._fresh(self._lost_by_scan, stamp_ns),
+                self._fresh(self._turn_by_scan, stamp_ns),
+            )
+        )
+
+    def _fresh(self, said: tuple[int, float] | None, stamp_ns: int) -> float | None:
+        if said is None or seconds_between(stamp_ns, said[0]) > self._settings.scan_silence_s:
+            return None
+        return said[1]
+
+    def _carry_on(self, stamp_ns: int, ahead_m: float, turn_rad: float, duration: float) -> None:
+        """Dead reckoning that puts scans right and is the first guess of their motion."""
+        half = 0.5 * turn_rad
+        step = Pose2(ahead_m * math.cos(half), ahead_m * math.sin(half), turn_rad)
+        self._pose = self._pose.compose(step)
+        twist = Twist2(ahead_m / duration, turn_rad / duration)
+        pose = self._pose.compose(self._shift(stamp_ns))
+        self._history.add(Odometry(stamp_ns, "", "", pose, twist, _NO_COVARIANCE3, _NO_COVARIANCE2))
+
+    def _shift(self, stamp_ns: int) -> Pose2:
+        """How far the lidar is off its place because the robot is tilted; a sample of the IMU may still be to come."""
+        newest_ns = self._gyro.newest_ns
+        sums = None if newest_ns is None else self._gyro.at(min(stamp_ns, newest_ns))
+        if sums is None:
+            return Pose2(0.0, 0.0, 0.0)
+        return sensor_shift(self._settings.lidar_height_m, float(sums[1]), float(sums[2]))
+
+    def _covariance_of(self, motion: Pose2, duration: float) -> Array:
+        """Covariance (3, 3) of a motion as belts and gyro have it."""
+        settings = self._settings
+        along = self._share.variance * (motion.x_m**2 + (self._belt_mps * duration) ** 2)
+        across = (settings.sideways_deviation_m * motion.yaw_rad) ** 2
+        heading = settings.gyro_noise_radps**2 * settings.imu_period_s * duration + self._bias.variance * duration**2
+        return np.diag([along + 1e-8, across + 1e-8, heading + 1e-10])
+
+    def _learn(self, start_ns: int, end_ns: int, step: Pose2, covariance: Array) -> None:
+        """What the motion between two scans shows of slip and of the gyro's bias."""
+        duration = seconds_between(end_ns, start_ns)
+        belts = self._belts.between(start_ns, min(end_ns, self._belts.newest_ns or end_ns))
+        gyro = self._gyro.between(start_ns, min(end_ns, self._gyro.newest_ns or end_ns))
+        heading_variance = float(covariance[2, 2])
+        if gyro is not None and heading_variance < _FULL_TURN_SEEN**2:
+            off = (float(gyro[0]) - step.yaw_rad) / duration
+            noise = (
+                heading_variance / duration**2
+                + self._settings.gyro_noise_radps**2 * self._settings.imu_period_s / duration
+            )
+            self._bias.measure(off, noise)
+        if belts is None:
+            return
+        travel, asked = float(belts[0]), float(belts[1])
+        if heading_variance < _FULL_TURN_SEEN**2 and abs(asked) > self._settings.least_belt_yaw_rate_radps * duration:
+            self._turn_by_scan = (end_ns, step.yaw_rad / asked)
+        half = 0.5 * step.yaw_rad
+        direction = np.array([math.cos(half), math.sin(half)])
+        along = float(direction @ [step.x_m, step.y_m]) / max(math.sin(half) / half if abs(half) > 1e-6 else 1.0, 0.1)
+        variance = float(direction @ covariance[:2, :2] @ direction)
+        if abs(travel) < self._settings.least_belt_speed_mps * duration:
+            return
+        lost, noise = 1.0 - along / travel, variance / travel**2
+        self._share.measure(lost, noise)
+        self._lost_by_scan = (end_ns, lost) if noise < 0.2**2 else None
+
+    def _advance(self, name: str, stamp_ns: int) -> float | None:
+        """Seconds since the stream's last sample; None if the sample is late or comes twice."""
+        order = self._orders[name]
+        if order.jumps_back(stamp_ns):
+            self._refuse("clock: set back")
+            for each in self._orders.values():
+                each.latest_ns = None
+            self._restart()
+        before = order.latest_ns
+        if not order.advance(stamp_ns):
+            self._refuse(f"{name}: late")
+            return None
+        return 0.0 if before is None else seconds_between(stamp_ns, before)
+
+    def _refuse(self, what: str) -> None:
+        self.refused[what] = self.refused.get(what, 0) + 1
