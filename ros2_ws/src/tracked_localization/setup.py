@@ -11,7 +11,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
-    install_requires=["setuptools", "numpy", "filterpy", "opencv-python-headless", "pydantic>=2", "scipy"],
+    install_requires=["setuptools", "numpy", "filterpy", "gtsam", "opencv-python-headless", "pydantic>=2", "scipy"],
     zip_safe=False,
     maintainer="Tracked Stack maintainers",
     maintainer_email="maintainers@tracked-stack.invalid",

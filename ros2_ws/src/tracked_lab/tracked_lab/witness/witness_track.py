@@ -39,11 +39,11 @@ class WitnessTrack:
         slips: tuple[Slip, ...],
     ) -> None:
         """Take one tick of a plant in."""
-        for sample in imu:
-            self.witness.add_imu(sample)
+        for inertial in imu:
+            self.witness.add_imu(inertial)
         said = None
-        for sample in tracks:
-            said = self.witness.add_tracks(sample)
+        for counted in tracks:
+            said = self.witness.add_tracks(counted)
         for scan in scans:
             begin = thread_time()
             self.witness.add_scan(scan)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tracked_localization.matching.information import rotation, with_floor
 from tracked_localization.matching.scan_matcher import Match, MatchSettings, match_scan
 from tracked_localization.matching.scan_points import ScanPoints
 from tracked_localization.witness.scan_field import ScanField
@@ -97,15 +98,14 @@ class ScanMotion:
         match = match_scan(self._field, points.hits, guess, self._matching)
         reason = match.doubt(self._matching)
         self._pose = guess
-        step = None
+        settings, step = self._settings, None
         if not reason:
-            information = _with_floor(match.information, self._floor)
+            information = with_floor(match.information, settings.scan_match_floor_m, settings.scan_match_floor_rad)
             self._correct(match.pose, information)
             step = self._since_last(match.pose, information)
         else:
             self._seen = None
         result = self._result(points, step, match, reason)
-        settings = self._settings
         far = math.hypot(self._pose.x_m, self._pose.y_m) > settings.key_distance_m
         if reason or far or abs(self._pose.yaw_rad) > settings.key_turn_rad:
             self._renew(points)
@@ -125,12 +125,12 @@ class ScanMotion:
 
     def _since_last(self, seen: Pose2, information: Array) -> tuple[Pose2, Array] | None:
         """Motion since the scan before, in the frame of the base then."""
-        alone = np.linalg.inv(information + np.eye(3) / _UNSEEN_VARIANCE)
+        alone: Array = np.linalg.inv(information + np.eye(3) / _UNSEEN_VARIANCE)
         before, self._seen = self._seen, (seen, alone)
         if before is None:
             return None
         step = before[0].inverse().compose(seen)
-        turn = _turned(-before[0].yaw_rad)
+        turn = rotation(-before[0].yaw_rad)
         return step, turn @ (alone + before[1]) @ turn.T
 
     def _renew(self, points: ScanPoints) -> None:
@@ -154,24 +154,12 @@ class ScanMotion:
         )
 
 
-def _with_floor(information: Array, floor: Array) -> Array:
-    """Points of one scan err together: their information has an end. What is unseen stays unseen."""
-    limited = information @ np.linalg.inv(np.eye(3) + floor @ information)
-    symmetric: Array = 0.5 * (limited + limited.T)
-    return symmetric
-
-
-def _turned(angle_rad: float) -> Array:
-    cosine, sine = math.cos(angle_rad), math.sin(angle_rad)
-    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-
-
 def _composed(first: Pose2, first_covariance: Array, second: Pose2, second_covariance: Array) -> Array:
     """Covariance (3, 3) of ``first.compose(second)``."""
     placed = first.compose(second)
     carry = np.eye(3)
     carry[0, 2], carry[1, 2] = first.y_m - placed.y_m, placed.x_m - first.x_m
-    turn = _turned(first.yaw_rad)
+    turn = rotation(first.yaw_rad)
     total = carry @ first_covariance @ carry.T + turn @ second_covariance @ turn.T
     symmetric: Array = 0.5 * (total + total.T)
     return symmetric
