@@ -17,5 +17,10 @@ setup(
     maintainer_email="maintainers@tracked-stack.invalid",
     description="Where the tracked robot is and how its tracks slip: odometry filter and slip estimate.",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["ekf = tracked_localization.nodes.ekf:main"]},
+    entry_points={
+        "console_scripts": [
+            "ekf = tracked_localization.nodes.ekf:main",
+            "slip_witness = tracked_localization.nodes.slip_witness:main",
+        ]
+    },
 )

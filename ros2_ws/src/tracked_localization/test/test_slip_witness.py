@@ -11,8 +11,7 @@ from tracked_description import load_robot
 from tracked_localization.matching.line_world import CORRIDOR, ROOM
 from tracked_localization.witness.settings import WitnessSettings
 from tracked_localization.witness.slip_witness import SlipWitness
-from tracked_localization.witness.traction import Grip
-from tracked_types import ImuSample, LaserScan, Pose2, TrackSample
+from tracked_types import Grip, ImuSample, LaserScan, Pose2, TrackSample
 
 ROBOT = load_robot()
 LIDAR = Pose2(*ROBOT.lidar.xyz_m[:2], 0.0)
@@ -69,14 +68,18 @@ def test_slip_of_both_kinds_is_found_and_follows_a_change_of_the_ground():
     robot = Robot()
     robot.drive(0.5, 0.0)
     first = robot.drive(2.0, 0.4, 0.6, lost=0.05)[-1]
-    assert first.lost_share == pytest.approx(0.05, abs=0.03) and first.yaw_multiplier == pytest.approx(0.8, abs=0.03)
+    assert first.traction.lost_share == pytest.approx(
+        0.05, abs=0.03
+    ) and first.traction.yaw_multiplier == pytest.approx(0.8, abs=0.03)
     second = robot.drive(1.0, 0.4, 0.6, lost=0.3, multiplier=0.5)
     half, last = second[30], second[-1]
-    assert half.lost_share == pytest.approx(0.3, abs=0.05) and half.yaw_multiplier == pytest.approx(0.5, abs=0.05)
+    assert half.traction.lost_share == pytest.approx(0.3, abs=0.05) and half.traction.yaw_multiplier == pytest.approx(
+        0.5, abs=0.05
+    )
     assert last.slip.speed_mps == pytest.approx(-0.12, abs=0.015) and last.slip.speed_measured
     assert last.slip.yaw_rate_radps == pytest.approx(-0.3, abs=0.03)
     assert last.gyro_bias_radps == pytest.approx(0.004, abs=0.003)
-    assert {each.grip for each in second} == {Grip.HOLDS}
+    assert {each.traction.grip for each in second} == {Grip.HOLDS}
 
 
 @pytest.mark.parametrize("lidar", [True, False], ids=["scan", "accelerometer alone"])
@@ -85,27 +88,29 @@ def test_a_blocked_robot_is_called_so_within_half_a_second_and_no_longer_than_th
     robot = Robot(lidar=lidar)
     robot.drive(1.0, 0.0)
     if running:
-        assert all(each.grip is not Grip.BLOCKED for each in robot.drive(2.0, 0.3, lost=0.03))
+        assert all(each.traction.grip is not Grip.BLOCKED for each in robot.drive(2.0, 0.3, lost=0.03))
     held = robot.drive(1.0, 0.3, lost=1.0)
-    assert held[29].grip is Grip.BLOCKED and held[-1].grip is Grip.BLOCKED
+    assert held[29].traction.grip is Grip.BLOCKED and held[-1].traction.grip is Grip.BLOCKED
     assert held[-1].slip.speed_mps == pytest.approx(-0.3, abs=0.03)
-    assert "tracks turn, robot does not" in held[-1].reason and held[-1].witness == ("scan" if lidar else "imu")
+    assert "tracks turn, robot does not" in held[-1].traction.reason and held[-1].traction.witness == (
+        "scan" if lidar else "imu"
+    )
     free = robot.drive(1.0, 0.3)
-    assert free[36].grip is Grip.HOLDS and not free[-1].reason
+    assert free[36].traction.grip is Grip.HOLDS and not free[-1].traction.reason
 
 
 def test_a_robot_that_cannot_turn_is_blocked_by_the_word_of_the_gyro():
     robot = Robot()
     robot.drive(1.0, 0.0)
     held = robot.drive(1.0, 0.0, 0.9, multiplier=0.0)
-    assert held[29].grip is Grip.BLOCKED and "imu" in held[29].witness
+    assert held[29].traction.grip is Grip.BLOCKED and "imu" in held[29].traction.witness
 
 
 def test_a_stuck_gyro_does_not_make_a_turning_robot_blocked():
     robot = Robot()
     robot.drive(1.0, 0.0)
     robot.imu = lambda rate, ahead, imu=robot.imu: imu(0.0, ahead)
-    assert robot.drive(1.5, 0.0, 0.9)[-1].grip is Grip.HOLDS
+    assert robot.drive(1.5, 0.0, 0.9)[-1].traction.grip is Grip.HOLDS
 
 
 def test_rolling_tracks_alone_accuse_nobody():
@@ -115,20 +120,20 @@ def test_rolling_tracks_alone_accuse_nobody():
         robot.left += 0.005
         robot.right += 0.005
         said = robot.witness.add_tracks(TrackSample(robot.now_ns, robot.left, robot.right))
-    assert said.grip is Grip.HOLDS and not said.slip.known
+    assert said.traction.grip is Grip.HOLDS and not said.slip.known
 
 
 def test_along_a_corridor_nothing_is_guessed_and_the_variance_grows():
     robot = Robot(world=CORRIDOR, start=Pose2(0.0, 0.1, 0.0))
     robot.drive(0.5, 0.0)
     said = robot.drive(4.0, 0.4, lost=0.4)
-    share = np.array([each.lost_share for each in said])
+    share = np.array([each.traction.lost_share for each in said])
     assert np.abs(share).max() < 0.05
-    assert said[-1].lost_share_variance == pytest.approx(0.3**2, rel=0.05)
+    assert said[-1].traction.lost_share_variance == pytest.approx(0.3**2, rel=0.05)
     along = [step.covariance[0, 0] for step in robot.steps]
     across = [step.covariance[1, 1] for step in robot.steps]
     assert along[-1] > 0.01 > 10.0 * across[-1] and all(np.diff(along) >= -1e-12)
-    assert {each.grip for each in said[20:]} == {Grip.HOLDS}
+    assert {each.traction.grip for each in said[20:]} == {Grip.HOLDS}
 
 
 def test_too_few_points_say_nothing():
@@ -176,7 +181,7 @@ def test_a_jump_of_a_counter_is_refused_and_a_clock_set_back_begins_anew():
     assert robot.witness.refused == {"tracks: jump": 1}
     robot.tick = 0
     said = robot.drive(1.0, 0.3, lost=0.2)[-1]
-    assert robot.witness.refused["clock: set back"] == 1 and said.lost_share == pytest.approx(0.2, abs=0.05)
+    assert robot.witness.refused["clock: set back"] == 1 and said.traction.lost_share == pytest.approx(0.2, abs=0.05)
 
 
 def test_late_and_doubled_samples_are_counted_only():
@@ -202,4 +207,4 @@ def test_no_scan_brings_the_witness_down(ranges, start, increment, spacing):
         robot.drive(0.1, 0.3)
         scan = LaserScan(robot.now_ns - 10**8, "laser", start, increment, spacing, 0.1, 0.15, 18.0, numbers)
         robot.witness.add_scan(scan)
-    assert all(math.isfinite(each.lost_share) for each in robot.drive(0.1, 0.3))
+    assert all(math.isfinite(each.traction.lost_share) for each in robot.drive(0.1, 0.3))

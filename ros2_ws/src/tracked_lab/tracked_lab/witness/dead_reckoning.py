@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 _CORNERS = ((3.0, 0.0), (3.0, 3.0), (0.0, 3.0), (0.0, 0.0))
 _LENGTH_M = 40.0
 _FIRST_REST_S = 5.0
-_REST_S = 1.0
+_REST_S = 2.0
 _COMMAND_TICKS = 4
 SLIDE_S = 0.2
 """Outward slide per yaw rate of this robot, tuned on seeds from 1000 on."""

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from tracked_description import Robot
 from tracked_localization.witness.settings import WitnessSettings
 from tracked_localization.witness.slip_witness import SlipWitness
-from tracked_localization.witness.traction import Grip
-from tracked_types import BodyState, ImuSample, LaserScan, Slip, TrackSample
+from tracked_types import BodyState, Grip, ImuSample, LaserScan, Slip, TrackSample
 
 Array = NDArray[np.float64]
 
@@ -58,15 +57,15 @@ class WitnessTrack:
         left, right = (travel[0] - before[0]) * rate_hz, (travel[1] - before[1]) * rate_hz
         self.rows.append(
             (
-                said.stamp_ns * 1e-9,
+                said.slip.stamp_ns * 1e-9,
                 0.5 * (left + right),
                 (right - left) / self.robot.tracks.gauge_m,
                 said.slip.speed_mps,
                 slips[0].speed_mps,
                 said.slip.yaw_rate_radps,
                 slips[0].yaw_rate_radps,
-                float(said.grip is Grip.BLOCKED),
-                said.lost_share_variance,
+                float(said.traction.grip is Grip.BLOCKED),
+                said.traction.lost_share_variance,
             )
         )
 

@@ -125,7 +125,8 @@ class ScanMotion:
 
     def _since_last(self, seen: Pose2, information: Array) -> tuple[Pose2, Array] | None:
         """Motion since the scan before, in the frame of the base then."""
-        alone: Array = np.linalg.inv(information + np.eye(3) / _UNSEEN_VARIANCE)
+        unseen = np.diag(np.full(3, 1.0 / _UNSEEN_VARIANCE))
+        alone = np.asarray(np.linalg.inv(information + unseen), np.float64)
         before, self._seen = self._seen, (seen, alone)
         if before is None:
             return None

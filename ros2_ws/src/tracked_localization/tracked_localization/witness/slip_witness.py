@@ -1,7 +1,7 @@
 """Slip from three witnesses: belts, gyro and the motion of scans."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,10 @@ from tracked_localization.witness.motion_record import MotionRecord
 from tracked_localization.witness.scan_motion import ScanMotion, ScanMotionSettings, ScanStep
 from tracked_localization.witness.settings import WitnessSettings
 from tracked_localization.witness.tilt import Tilt, levelled, sensor_shift
-from tracked_localization.witness.traction import Evidence, Grip, Traction
+from tracked_localization.witness.traction import Evidence, TractionJudge
 from tracked_localization.witness.walking_value import WalkingValue
 from tracked_types import (
+    Grip,
     ImuSample,
     LaserScan,
     Odometry,
@@ -24,6 +25,7 @@ from tracked_types import (
     Slip,
     StampOrder,
     TrackSample,
+    Traction,
     Twist2,
     seconds_between,
     to_nanoseconds,
@@ -38,25 +40,16 @@ _FULL_TURN_SEEN = 0.01  # rad: deviation up to which a scan bears witness of the
 
 @dataclass(frozen=True, slots=True)
 class Witnessed:
-    """What is known of slip at the stamp of one encoder sample.
+    """What is known at the stamp of one encoder sample.
 
-    slip: in the shape that controllers take; its speed is measured. lost_share: share of the belts' travel that the
-    ground takes, and its variance, which grows where scans do not show it. yaw_multiplier: yaw rate over ground per yaw
-    rate of the belts on the present ground. gyro_bias_radps: as scans and rest show it. grip: whether the robot follows
-    its tracks; witness: who says so, and reason: in words, empty while all is well.
+    slip: in the shape that controllers take; its speed is measured. traction: shares, multiplier and whether the robot
+    follows its tracks. gyro_bias_radps: as scans show it, with its variance.
     """
 
-    stamp_ns: int
     slip: Slip
-    lost_share: float
-    lost_share_variance: float
-    yaw_multiplier: float
-    yaw_multiplier_variance: float
+    traction: Traction
     gyro_bias_radps: float
     gyro_bias_variance: float
-    grip: Grip
-    witness: str
-    reason: str
 
 
 class SlipWitness:
@@ -72,7 +65,7 @@ class SlipWitness:
         self._orders = {name: StampOrder() for name in ("imu", "tracks", "scan")}
         self.refused: dict[str, int] = {}
         self._felt = FeltSpeed()
-        self._traction = Traction(settings)
+        self._traction = TractionJudge(settings)
         self._restart()
 
     def _restart(self) -> None:
@@ -175,7 +168,7 @@ class SlipWitness:
             unsure = settings.step_deviation_m**2 + (_TILT_SHARE * (shifts[1].x_m - shifts[0].x_m)) ** 2
             spread = step.step_covariance + np.diag([unsure, unsure, 0.0])
             self._learn(last_ns, points.stamp_ns, of_base, spread)
-        return step
+        return replace(step, pose=step.pose.compose(self._shift(points.stamp_ns).inverse()))
 
     def _roll(self, stamp_ns: int, left_m: float, right_m: float, duration: float) -> Witnessed:
         settings = self._settings
@@ -205,19 +198,18 @@ class SlipWitness:
             what = f"at {speed:.2f} m/s" if self._traction.ahead else f"for {rate:.2f} rad/s"
             reason = f"{grip.value}: tracks run {what}, {self._traction.witness} sees no motion"
         slip = self._slip(stamp_ns, lost, None if turn is None else turn / duration, duration)
-        return Witnessed(
+        share, multiplier, bias = self._share, self._multiplier, self._bias
+        traction = Traction(
             stamp_ns,
-            slip,
-            self._share.value,
-            self._share.variance,
-            self._multiplier.value,
-            self._multiplier.variance,
-            self._bias.value,
-            self._bias.variance,
             grip,
             self._traction.witness,
             reason,
+            share.value,
+            share.variance,
+            multiplier.value,
+            multiplier.variance,
         )
+        return Witnessed(slip, traction, bias.value, bias.variance)
 
     def _slip(self, stamp_ns: int, lost: float, yaw_rate: float | None, duration: float) -> Slip:
         settings, speed, rate = self._settings, self._belt_mps, self._belt_radps
@@ -238,10 +230,10 @@ class SlipWitness:
         return settings.gyro_noise_radps**2 * settings.imu_period_s / duration + self._bias.variance + rounding
 
     def _judge(self, stamp_ns: int) -> Grip:
-        window_ns = to_nanoseconds(Traction.TURN_WINDOW_S)
+        window_ns = to_nanoseconds(TractionJudge.TURN_WINDOW_S)
         gyro = self._gyro.between(stamp_ns - window_ns, stamp_ns)
         belts = self._belts.between(stamp_ns - window_ns, stamp_ns)
-        turned = None if gyro is None else float(gyro[0]) - self._bias.value * Traction.TURN_WINDOW_S
+        turned = None if gyro is None else float(gyro[0]) - self._bias.value * TractionJudge.TURN_WINDOW_S
         return self._traction.update(
             Evidence(
                 stamp_ns,

@@ -1,23 +1,14 @@
 """Tracks that turn under a robot that does not move: dug in, held or blocked."""
 
 from dataclasses import dataclass
-from enum import Enum
 
 from tracked_localization.witness.settings import WitnessSettings
-from tracked_types import seconds_between
+from tracked_types import Grip, seconds_between
 
 _TURN_WINDOW_S = 0.3
 _STILL_TURN = 0.2  # of what the belts ask
 _MOVES_AGAIN = 0.5
 _IMU_WORD_S = 2.0  # how long an accelerometer's word that the robot stands is good for
-
-
-class Grip(Enum):
-    """What comes of the belts' motion."""
-
-    UNKNOWN = "the tracks bear no witness"
-    HOLDS = "the robot follows its tracks"
-    BLOCKED = "tracks turn, robot does not"
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +31,7 @@ class Evidence:
     turn_by_scan: float | None
 
 
-class Traction:
+class TractionJudge:
     """Judges the evidence at each instant; belts alone never accuse.
 
     The scan has the last word on motion ahead. Where it does not see, the accelerometer may accuse, for as long as it
