@@ -4,7 +4,7 @@ import numpy as np
 
 from tracked_description import Robot
 from tracked_localization.matching.line_world import LineWorld
-from tracked_types import LaserScan, PeriodGrid, Pose2
+from tracked_types import LaserScan, PeriodGrid, Pose2, wrap_angle
 
 
 class LineLidar:
@@ -31,12 +31,19 @@ class LineLidar:
         phase = self._tick % self._ticks
         self._tick += 1
         first, last = (-(-edge * lidar.beams // self._ticks) for edge in (phase, phase + 1))
-        step = self._before.inverse().compose(base)
-        for beam in range(first, last):
-            share = beam * self._ticks / lidar.beams - phase
-            place = self._before.compose(Pose2(share * step.x_m, share * step.y_m, share * step.yaw_rad))
-            sensor = place.compose(self._mounting)
-            self._ranges[beam] = self._world.ranges(sensor, self._angles[beam : beam + 1] + sensor.yaw_rad)[0]
+        share = np.arange(first, last) * self._ticks / lidar.beams - phase
+        begin = self._before
+        turn = wrap_angle(base.yaw_rad - begin.yaw_rad)
+        yaw = begin.yaw_rad + share * turn
+        mounted = np.array([self._mounting.x_m, self._mounting.y_m])
+        origins = np.column_stack(
+            [
+                begin.x_m + share * (base.x_m - begin.x_m) + np.cos(yaw) * mounted[0] - np.sin(yaw) * mounted[1],
+                begin.y_m + share * (base.y_m - begin.y_m) + np.sin(yaw) * mounted[0] + np.cos(yaw) * mounted[1],
+            ]
+        )
+        headings = self._angles[first:last] + yaw + self._mounting.yaw_rad
+        self._ranges[first:last] = self._world.cast(origins, headings)
         self._before = base
         if phase < self._ticks - 1:
             return None

@@ -1,7 +1,7 @@
 """Drives among walls on belts, and on the kinematic plant whose ground changes under the robot."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -9,14 +9,15 @@ import numpy as np
 from sim_bridge.simulator import Simulator
 from tracked_description import Robot
 from tracked_lab.kinematic_ground import Ground
-from tracked_lab.kinematic_plant import KinematicPlant
+from tracked_lab.kinematic_plant import KinematicBatch, KinematicPlant
 from tracked_lab.line_lidar import LineLidar
 from tracked_lab.simulation import make_simulator
 from tracked_lab.witness.witness_track import Steer, WitnessTrack
 from tracked_localization.matching.line_world import ROOM
-from tracked_types import BodyState, Pose2, Twist2, VelocityCommand, wrap_angle
+from tracked_types import BodyState, LaserScan, Pose2, Twist2, VelocityCommand, wrap_angle
 
 ROOMS_ROUTE = ((3.0, 0.8), (6.5, 0.7), (6.2, 2.2), (6.0, 4.4), (5.0, 4.5), (2.0, 4.5), (2.0, 2.3), (1.0, 1.2))
+CIRCLE_START = Pose2(1.0, -0.3, 0.0)
 _COMMAND_TICKS = 4
 
 
@@ -74,21 +75,20 @@ def on_belts(
     return track
 
 
-def on_changing_ground(
+def changing_ground(
     robot: Robot, seed: int, seconds: float
-) -> tuple[WitnessTrack, list[tuple[float, float, float]]]:
+) -> Iterator[tuple[KinematicBatch, LaserScan | None, tuple[float, float, float] | None]]:
     """Circles through a room of straight walls; every three seconds the ground is another.
 
-    Returns the track and the changes: time (s), change of the longitudinal loss, change of the yaw loss.
+    Yields each tick's batch, the scan that ends there, and a change: time (s), of the longitudinal and of the yaw loss.
     """
     draws = np.random.default_rng(seed)
     ground = Ground.of_seed(seed)
-    start = Pose2(1.0, -0.3, 0.0)
-    plant, track, changes = KinematicPlant(robot, seed, ground, start), WitnessTrack(robot), []
-    lidar = LineLidar(robot, ROOM, seed, start)
+    plant = KinematicPlant(robot, seed, ground, CIRCLE_START)
+    lidar = LineLidar(robot, ROOM, seed, CIRCLE_START)
     next_change_s = 4.0
     for tick in range(round(seconds * robot.imu.rate_hz)):
-        batch = plant.advance()
+        batch, change = plant.advance(), None
         now_s = batch.stamp_ns * 1e-9
         x, y, yaw = plant.truth_pose
         if tick % _COMMAND_TICKS == 0:
@@ -98,13 +98,19 @@ def on_changing_ground(
             plant.submit(VelocityCommand(batch.stamp_ns, Twist2(0.4, rate) if now_s > 1.0 else Twist2(0.0, 0.0)))
         if now_s > next_change_s:
             before = plant.ground
-            plant.set_ground(
-                replace(ground, speed_loss=float(draws.uniform(0.0, 0.4)), yaw_loss=float(draws.uniform(0.0, 0.6)))
-            )
-            changes.append(
-                (now_s, plant.ground.speed_loss - before.speed_loss, plant.ground.yaw_loss - before.yaw_loss)
-            )
+            losses = float(draws.uniform(0.0, 0.4)), float(draws.uniform(0.0, 0.6))
+            plant.set_ground(replace(ground, speed_loss=losses[0], yaw_loss=losses[1]))
+            change = (now_s, losses[0] - before.speed_loss, losses[1] - before.yaw_loss)
             next_change_s += 3.0
-        scan = lidar.update(Pose2(x, y, yaw))
+        yield batch, lidar.update(Pose2(x, y, yaw)), change
+
+
+def on_changing_ground(
+    robot: Robot, seed: int, seconds: float
+) -> tuple[WitnessTrack, list[tuple[float, float, float]]]:
+    """What the witness says on `changing_ground`, and the changes."""
+    track, changes = WitnessTrack(robot), []
+    for batch, scan, change in changing_ground(robot, seed, seconds):
         track.add(batch.imu, batch.tracks, () if scan is None else (scan,), batch.truth, batch.truth_slip)
+        changes += [] if change is None else [change]
     return track, changes
