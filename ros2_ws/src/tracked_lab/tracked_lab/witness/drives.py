@@ -17,6 +17,8 @@ from tracked_localization.matching.line_world import ROOM
 from tracked_types import BodyState, LaserScan, Pose2, Twist2, VelocityCommand, wrap_angle
 
 ROOMS_ROUTE = ((3.0, 0.8), (6.5, 0.7), (6.2, 2.2), (6.0, 4.4), (5.0, 4.5), (2.0, 4.5), (2.0, 2.3), (1.0, 1.2))
+Change = tuple[float, float, float]
+"""Of the ground: time (s), of the longitudinal loss, of the yaw loss."""
 CIRCLE_START = Pose2(1.0, -0.3, 0.0)
 _COMMAND_TICKS = 4
 
@@ -77,10 +79,10 @@ def on_belts(
 
 def changing_ground(
     robot: Robot, seed: int, seconds: float
-) -> Iterator[tuple[KinematicBatch, LaserScan | None, tuple[float, float, float] | None]]:
+) -> Iterator[tuple[KinematicBatch, LaserScan | None, Change | None]]:
     """Circles through a room of straight walls; every three seconds the ground is another.
 
-    Yields each tick's batch, the scan that ends there, and a change: time (s), of the longitudinal and of the yaw loss.
+    Yields each tick's batch, the scan that ends there, and a change.
     """
     draws = np.random.default_rng(seed)
     ground = Ground.of_seed(seed)
@@ -105,9 +107,7 @@ def changing_ground(
         yield batch, lidar.update(Pose2(x, y, yaw)), change
 
 
-def on_changing_ground(
-    robot: Robot, seed: int, seconds: float
-) -> tuple[WitnessTrack, list[tuple[float, float, float]]]:
+def on_changing_ground(robot: Robot, seed: int, seconds: float) -> tuple[WitnessTrack, list[Change]]:
     """What the witness says on `changing_ground`, and the changes."""
     track, changes = WitnessTrack(robot), []
     for batch, scan, change in changing_ground(robot, seed, seconds):
