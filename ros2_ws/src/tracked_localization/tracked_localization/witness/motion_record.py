@@ -11,17 +11,19 @@ Array = NDArray[np.float64]
 
 
 class MotionRecord:
-    """Sums over time of several quantities, linear between their samples.
+    """Sums over time of several quantities, linear between their samples, and a moment beyond the newest.
+
+    Samples of different sensors with the same stamp come in any order: asked too early, a sum goes on as it went.
 
     Parameters
     ----------
     width: how many quantities there are.
-    length_s: how long sums are kept.
+    length_s: how long sums are kept. reach_s: how far beyond the newest sample they are still made up.
     """
 
-    def __init__(self, width: int, length_s: float = 2.0) -> None:
+    def __init__(self, width: int, length_s: float = 2.0, reach_s: float = 0.05) -> None:
         self._width = width
-        self._length_ns = to_nanoseconds(length_s)
+        self._length_ns, self._reach_ns = to_nanoseconds(length_s), to_nanoseconds(reach_s)
         self.clear()
 
     def clear(self) -> None:
@@ -51,7 +53,9 @@ class MotionRecord:
     def at(self, stamp_ns: int) -> Array | None:
         """The sums (width,) at one instant; None outside the record."""
         stamps = self._stamps_ns
-        if not stamps or not stamps[0] <= stamp_ns <= stamps[-1]:
+        if not stamps or not stamps[0] <= stamp_ns <= stamps[-1] + self._reach_ns:
+            return None
+        if stamp_ns > stamps[-1] and len(stamps) == 1:
             return None
         later = len(stamps) - 1
         while later > 0 and stamps[later - 1] >= stamp_ns:

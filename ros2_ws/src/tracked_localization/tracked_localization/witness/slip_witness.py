@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tracked_localization.matching.pose_history import PoseHistory
 from tracked_localization.matching.scan_points import scan_points
@@ -13,9 +12,9 @@ from tracked_localization.witness.felt_speed import FeltSpeed
 from tracked_localization.witness.motion_record import MotionRecord
 from tracked_localization.witness.scan_motion import ScanMotion, ScanMotionSettings, ScanStep
 from tracked_localization.witness.settings import WitnessSettings
+from tracked_localization.witness.slip_learning import SlipLearning
 from tracked_localization.witness.tilt import Tilt, levelled, sensor_shift
 from tracked_localization.witness.traction import Evidence, TractionJudge
-from tracked_localization.witness.walking_value import WalkingValue
 from tracked_types import (
     Grip,
     ImuSample,
@@ -31,11 +30,9 @@ from tracked_types import (
     to_nanoseconds,
 )
 
-Array = NDArray[np.float64]
 _LONGEST_GAP_S = 0.1
 _NO_COVARIANCE3, _NO_COVARIANCE2 = np.zeros((3, 3)), np.zeros((2, 2))
 _TILT_SHARE = 0.3  # of the lidar's way by tilting, that may be wrong
-_FULL_TURN_SEEN = 0.01  # rad: deviation up to which a scan bears witness of the heading
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +66,6 @@ class SlipWitness:
         self._restart()
 
     def _restart(self) -> None:
-        settings = self._settings
         self._belts = MotionRecord(2)  # m along, rad of turn
         self._gyro = MotionRecord(3)  # rad of turn, pitch and roll
         self._tilt = Tilt()
@@ -77,24 +73,12 @@ class SlipWitness:
         self._felt.clear()
         self._traction.clear()
         self._motion.restart()
-        self._share = WalkingValue(
-            0.0, settings.share_deviation**2, settings.share_walk_sqrt_s, settings.share_deviation**2
-        )
-        self._multiplier = WalkingValue(
-            settings.yaw_multiplier,
-            settings.multiplier_deviation**2,
-            settings.multiplier_walk_sqrt_s,
-            settings.multiplier_deviation**2,
-        )
-        bias_variance = settings.initial_bias_deviation_radps**2
-        self._bias = WalkingValue(0.0, bias_variance, settings.bias_walk_radps_sqrt_s, bias_variance)
+        self._learnt = SlipLearning(self._settings)
         self._travel: tuple[float, float] | None = None
         self._pose = Pose2(0.0, 0.0, 0.0)
         self._belt_mps = self._belt_radps = 0.0
         self._accelerates = False
         self._scan_ns: int | None = None
-        self._lost_by_scan: tuple[int, float] | None = None
-        self._turn_by_scan: tuple[int, float] | None = None
 
     def add_imu(self, sample: ImuSample) -> None:
         """Take one sample in."""
@@ -161,13 +145,17 @@ class SlipWitness:
             since = here
         motion = Pose2(*since[0].tolist()).inverse().compose(Pose2(*here[0].tolist()))
         duration = 0.0 if last_ns is None else seconds_between(points.stamp_ns, last_ns)
-        step = self._motion.add(points, motion, self._covariance_of(motion, duration))
+        step = self._motion.add(
+            points, motion, self._learnt.motion_covariance(motion, self._belt_mps * duration, duration)
+        )
         if last_ns is not None and step.step is not None:
             shifts = self._shift(last_ns), self._shift(points.stamp_ns)
             of_base = shifts[0].compose(step.step).compose(shifts[1].inverse())
             unsure = settings.step_deviation_m**2 + (_TILT_SHARE * (shifts[1].x_m - shifts[0].x_m)) ** 2
             spread = step.step_covariance + np.diag([unsure, unsure, 0.0])
-            self._learn(last_ns, points.stamp_ns, of_base, spread)
+            belts, gyro = (record.between(last_ns, points.stamp_ns) for record in (self._belts, self._gyro))
+            turn = None if gyro is None else float(gyro[0])
+            self._learnt.learn_step(points.stamp_ns, duration, of_base, spread, belts, turn)
         return replace(step, pose=step.pose.compose(self._shift(points.stamp_ns).inverse()))
 
     def _roll(self, stamp_ns: int, left_m: float, right_m: float, duration: float) -> Witnessed:
@@ -177,28 +165,27 @@ class SlipWitness:
         self._accelerates = abs(speed - self._belt_mps) > 0.3 * duration + settings.encoder_tick_m / duration
         self._belt_mps, self._belt_radps = speed, rate
         self._belts.add(stamp_ns, travel, asked)
-        for value in (self._share, self._multiplier, self._bias):
-            value.pass_time(duration)
+        learnt = self._learnt
+        learnt.pass_time(duration)
         turned = self._gyro.between(stamp_ns - to_nanoseconds(duration), stamp_ns)
-        turn = None if turned is None else float(turned[0]) - self._bias.value * duration
-        if turn is not None and abs(rate) > settings.least_belt_yaw_rate_radps:
-            self._multiplier.measure(turn / asked, self._yaw_variance(duration) / rate**2)
+        turn = None if turned is None else float(turned[0]) - learnt.bias.value * duration
+        if turn is not None:
+            learnt.learn_turn(turn, asked, duration)
         was_blocked = self._traction.ahead
         grip = self._judge(stamp_ns)
         if self._traction.ahead and not was_blocked:
             self._felt.doubt()
-        lost = 1.0 if self._traction.ahead else self._share.value
+        lost = 1.0 if self._traction.ahead else learnt.share.value
         ground = (1.0 - lost) * speed
         self._felt.believe(stamp_ns, ground)
-        self._carry_on(
-            stamp_ns, (1.0 - lost) * travel, turn if turn is not None else self._multiplier.value * asked, duration
-        )
+        turned_rad = turn if turn is not None else learnt.multiplier.value * asked
+        self._carry_on(stamp_ns, (1.0 - lost) * travel, turned_rad, duration)
         reason = ""
         if grip is Grip.BLOCKED:
             what = f"at {speed:.2f} m/s" if self._traction.ahead else f"for {rate:.2f} rad/s"
             reason = f"{grip.value}: tracks run {what}, {self._traction.witness} sees no motion"
         slip = self._slip(stamp_ns, lost, None if turn is None else turn / duration, duration)
-        share, multiplier, bias = self._share, self._multiplier, self._bias
+        share, multiplier, bias = learnt.share, learnt.multiplier, learnt.bias
         traction = Traction(
             stamp_ns,
             grip,
@@ -212,28 +199,22 @@ class SlipWitness:
         return Witnessed(slip, traction, bias.value, bias.variance)
 
     def _slip(self, stamp_ns: int, lost: float, yaw_rate: float | None, duration: float) -> Slip:
-        settings, speed, rate = self._settings, self._belt_mps, self._belt_radps
+        settings, learnt, speed, rate = self._settings, self._learnt, self._belt_mps, self._belt_radps
         if yaw_rate is None or abs(speed) + 0.5 * settings.gauge_m * abs(rate) < settings.encoder_tick_m / duration:
             return unknown_slip(stamp_ns)
-        ahead_variance = self._share.variance * speed**2 + settings.encoder_tick_m**2 / (12.0 * duration**2)
-        yaw_slip, yaw_variance = yaw_rate - rate, self._yaw_variance(duration)
+        ahead_variance = learnt.share.variance * speed**2 + settings.encoder_tick_m**2 / (12.0 * duration**2)
+        yaw_slip, yaw_variance = yaw_rate - rate, learnt.yaw_variance(duration)
         if abs(rate) > settings.least_belt_yaw_rate_radps:
             # A period's counts are rounded: the multiplier, which follows within moments, says it better.
-            yaw_slip = (self._multiplier.value - 1.0) * rate
-            yaw_variance = self._multiplier.variance * rate**2
+            yaw_slip = (learnt.multiplier.value - 1.0) * rate
+            yaw_variance = learnt.multiplier.variance * rate**2
         return Slip(stamp_ns, -lost * speed, yaw_slip, ahead_variance, yaw_variance, known=True, speed_measured=True)
-
-    def _yaw_variance(self, duration: float) -> float:
-        """Variance of the gyro's mean rate less the belts' over one period, (rad/s)^2."""
-        settings = self._settings
-        rounding = settings.encoder_tick_m**2 / (3.0 * (settings.gauge_m * duration) ** 2)
-        return settings.gyro_noise_radps**2 * settings.imu_period_s / duration + self._bias.variance + rounding
 
     def _judge(self, stamp_ns: int) -> Grip:
         window_ns = to_nanoseconds(TractionJudge.TURN_WINDOW_S)
         gyro = self._gyro.between(stamp_ns - window_ns, stamp_ns)
         belts = self._belts.between(stamp_ns - window_ns, stamp_ns)
-        turned = None if gyro is None else float(gyro[0]) - self._bias.value * TractionJudge.TURN_WINDOW_S
+        turned = None if gyro is None else float(gyro[0]) - self._learnt.bias.value * TractionJudge.TURN_WINDOW_S
         return self._traction.update(
             Evidence(
                 stamp_ns,
@@ -242,15 +223,10 @@ class SlipWitness:
                 self._felt.speed_mps,
                 turned,
                 None if belts is None else float(belts[1]),
-                self._fresh(self._lost_by_scan, stamp_ns),
-                self._fresh(self._turn_by_scan, stamp_ns),
+                self._learnt.lost_by_scan(stamp_ns),
+                self._learnt.turn_by_scan(stamp_ns),
             )
         )
-
-    def _fresh(self, said: tuple[int, float] | None, stamp_ns: int) -> float | None:
-        if said is None or seconds_between(stamp_ns, said[0]) > self._settings.scan_silence_s:
-            return None
-        return said[1]
 
     def _carry_on(self, stamp_ns: int, ahead_m: float, turn_rad: float, duration: float) -> None:
         """Dead reckoning that puts scans right and is the first guess of their motion."""
@@ -262,48 +238,11 @@ class SlipWitness:
         self._history.add(Odometry(stamp_ns, "", "", pose, twist, _NO_COVARIANCE3, _NO_COVARIANCE2))
 
     def _shift(self, stamp_ns: int) -> Pose2:
-        """How far the lidar is off its place because the robot is tilted; a sample of the IMU may still be to come."""
-        newest_ns = self._gyro.newest_ns
-        sums = None if newest_ns is None else self._gyro.at(min(stamp_ns, newest_ns))
+        """How far the lidar is off its place because the robot is tilted."""
+        sums = self._gyro.at(stamp_ns)
         if sums is None:
             return Pose2(0.0, 0.0, 0.0)
         return sensor_shift(self._settings.lidar_height_m, float(sums[1]), float(sums[2]))
-
-    def _covariance_of(self, motion: Pose2, duration: float) -> Array:
-        """Covariance (3, 3) of a motion as belts and gyro have it."""
-        settings = self._settings
-        along = self._share.variance * (motion.x_m**2 + (self._belt_mps * duration) ** 2)
-        across = (settings.sideways_deviation_m * motion.yaw_rad) ** 2
-        heading = settings.gyro_noise_radps**2 * settings.imu_period_s * duration + self._bias.variance * duration**2
-        return np.diag([along + 1e-8, across + 1e-8, heading + 1e-10])
-
-    def _learn(self, start_ns: int, end_ns: int, step: Pose2, covariance: Array) -> None:
-        """What the motion between two scans shows of slip and of the gyro's bias."""
-        duration = seconds_between(end_ns, start_ns)
-        belts = self._belts.between(start_ns, min(end_ns, self._belts.newest_ns or end_ns))
-        gyro = self._gyro.between(start_ns, min(end_ns, self._gyro.newest_ns or end_ns))
-        heading_variance = float(covariance[2, 2])
-        if gyro is not None and heading_variance < _FULL_TURN_SEEN**2:
-            off = (float(gyro[0]) - step.yaw_rad) / duration
-            noise = (
-                heading_variance / duration**2
-                + self._settings.gyro_noise_radps**2 * self._settings.imu_period_s / duration
-            )
-            self._bias.measure(off, noise)
-        if belts is None:
-            return
-        travel, asked = float(belts[0]), float(belts[1])
-        if heading_variance < _FULL_TURN_SEEN**2 and abs(asked) > self._settings.least_belt_yaw_rate_radps * duration:
-            self._turn_by_scan = (end_ns, step.yaw_rad / asked)
-        half = 0.5 * step.yaw_rad
-        direction = np.array([math.cos(half), math.sin(half)])
-        along = float(direction @ [step.x_m, step.y_m]) / max(math.sin(half) / half if abs(half) > 1e-6 else 1.0, 0.1)
-        variance = float(direction @ covariance[:2, :2] @ direction)
-        if abs(travel) < self._settings.least_belt_speed_mps * duration:
-            return
-        lost, noise = 1.0 - along / travel, variance / travel**2
-        self._share.measure(lost, noise)
-        self._lost_by_scan = (end_ns, lost) if noise < 0.2**2 else None
 
     def _advance(self, name: str, stamp_ns: int) -> float | None:
         """Seconds since the stream's last sample; None if the sample is late or comes twice."""
