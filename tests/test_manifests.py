@@ -38,6 +38,7 @@ WITHOUT_KEY = {
         "do_mpc",
         "filterpy",
         "flint",
+        "gtsam",
         "pyarrow",
     ),
     *("pybullet", "rosbags", "rosidl_parser", "scipy"),

@@ -11,11 +11,16 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
-    install_requires=["setuptools", "numpy", "filterpy", "opencv-python-headless", "pydantic>=2"],
+    install_requires=["setuptools", "numpy", "filterpy", "gtsam", "opencv-python-headless", "pydantic>=2", "scipy"],
     zip_safe=False,
     maintainer="Tracked Stack maintainers",
     maintainer_email="maintainers@tracked-stack.invalid",
     description="Where the tracked robot is and how its tracks slip: odometry filter and slip estimate.",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["ekf = tracked_localization.nodes.ekf:main"]},
+    entry_points={
+        "console_scripts": [
+            "ekf = tracked_localization.nodes.ekf:main",
+            "slip_witness = tracked_localization.nodes.slip_witness:main",
+        ]
+    },
 )

@@ -26,6 +26,7 @@ from std_msgs.msg import Bool, String
 from tracked_interfaces.msg import GoalReached as GoalReachedMessage
 from tracked_interfaces.msg import SafetyState, SlipEstimate
 from tracked_interfaces.msg import SolverStatus as SolverStatusMessage
+from tracked_interfaces.msg import Traction as TractionMessage
 from tracked_interfaces.msg import Trajectory as TrajectoryMessage
 
 from node_kit import conversions
@@ -33,6 +34,7 @@ from tracked_types import (
     ArbiterMode,
     ArbiterState,
     GoalReached,
+    Grip,
     ImuSample,
     LaserScan,
     Odometry,
@@ -41,6 +43,7 @@ from tracked_types import (
     Slip,
     SolverStatus,
     TrackSample,
+    Traction,
     Trajectory,
     Twist2,
     VelocityCommand,
@@ -100,6 +103,12 @@ FAMILIES = {
         SlipEstimate,
         partial(conversions.slip_to_message, frame_id="base_footprint"),
         conversions.slip_from_message,
+    ),
+    "traction": (
+        Traction(STAMP_NS, Grip.BLOCKED, "scan", "held", 1.0, 1e-3, 0.8, 2e-3),
+        TractionMessage,
+        partial(conversions.traction_to_message, frame_id="base_footprint"),
+        conversions.traction_from_message,
     ),
     "trajectory": (
         TRAJECTORY,

@@ -26,6 +26,7 @@ FAMILIES = (
     "odometry",
     "pose_sample",
     "slip",
+    "traction",
     "trajectory",
     "command",
     "twist",

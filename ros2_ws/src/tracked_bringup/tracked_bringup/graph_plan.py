@@ -20,6 +20,7 @@ _SIMULATED: dict[str, dict[str, Value]] = {
     "sim_bridge": {"start_paused": True},
     "ekf": {"reliable_sensors": True},
     "recorder": {"reliable_sensors": True},
+    "slip_witness": {"reliable_sensors": True},
 }
 GROUPINGS: tuple[Grouping, ...] = ("default", "separate")
 

@@ -169,7 +169,7 @@ def test_improved_lower_layer_is_better_than_the_printed_one(improved):
 
 
 def test_slip_compensation_reduces_the_heading_error(improved):
-    assert improved[2] < 0.9 * rms_errors(lower={"slip_compensation": False})[2]
+    assert improved[2] < 0.95 * rms_errors(lower={"slip_compensation": False})[2]
 
 
 def test_prediction_over_the_latency_helps_the_single_layer():

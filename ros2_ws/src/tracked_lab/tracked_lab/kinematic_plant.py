@@ -103,6 +103,10 @@ class KinematicPlant:
         x, y, yaw = self._state[:3].tolist()
         return x, y, yaw
 
+    def set_ground(self, ground: Ground) -> None:
+        """From now on the robot is on other ground."""
+        self.ground, self._ground = ground, ground.as_array()
+
     def submit(self, command: VelocityCommand) -> None:
         """Take a command; it reaches the motors a transport delay after its stamp, refused as by the simulator."""
         self._intake.submit(command, self.stamp_ns)

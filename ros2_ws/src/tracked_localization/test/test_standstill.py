@@ -74,3 +74,13 @@ def test_without_gyro_the_belts_decide(run):
 def test_silent_or_refused_belts_bear_no_witness(run):
     assert not run(1.0, belts=None).standing
     assert not run(1.0, belts=lambda _time: (None, 0.0)).standing
+
+
+def test_starts_into_turns_after_rests_do_not_move_the_gyro_bias(odometry_filter, crawler, feed, robot):
+    def drive(time_s):
+        return (0.0, 1.0 if time_s > 3.0 and time_s % 2.0 > 1.2 else 0.0)
+
+    made = crawler(drive, 3)
+    feed(odometry_filter, list(made.run(3.0)))
+    feed(odometry_filter, list(made.run(30.0)))
+    assert abs(odometry_filter.gyro_bias_radps - made.bias_radps) < 0.001

@@ -16,6 +16,8 @@ from tracked_localization.slip import SlipEstimator, slip_at, unknown_slip
 from tracked_localization.standstill import Standstill
 from tracked_types import ImuSample, Odometry, Pose2, PoseSample, Slip, TrackSample, seconds_between
 
+_SURE_REST_S = 0.1
+
 
 @dataclass(slots=True)
 class _Inputs:
@@ -56,6 +58,9 @@ class SensorFusion:
         self.time_ns: int | None = None
         """Stamp of the state; None before the first sample."""
         self._inputs = _Inputs()
+        self._at_rest: deque[tuple[float, int]] = deque()
+        self._rested = False
+        self._rest_samples = round(_SURE_REST_S * settings.imu_rate_hz)
 
     @property
     def standing(self) -> bool:
@@ -99,6 +104,7 @@ class SensorFusion:
         self._belts.restart()
         self._gyro_record.clear()
         self._standstill.restart()
+        self._at_rest.clear()
         self.time_ns = start_ns
         self._inputs = _Inputs(start_ns=start_ns, rolled_m=self._filter.rolled_m)
         self._poses.restart()
@@ -150,8 +156,23 @@ class SensorFusion:
         if reading.rate_radps is None:
             return
         self._inputs.gyro_ns = stamp_ns
-        if not (self.standing and self._inputs.bias_hopeless):
-            self.innovations.append(self._filter.update_gyro(reading.rate_radps, stamp_ns, standing=self.standing))
+        if not self.standing:
+            if self._rested:
+                self._filter.leave_rest()
+            self._rested = False
+            self._at_rest.clear()
+            self.innovations.append(self._filter.update_gyro(reading.rate_radps, stamp_ns, standing=False))
+            return
+        self._rested = True
+        if not self._inputs.bias_hopeless:
+            self._learn_bias(reading.rate_radps, stamp_ns)
+
+    def _learn_bias(self, rate_radps: float, stamp_ns: int) -> None:
+        """A reading at rest shows the bias, once it is sure that it was one: the body moves before a belt counts."""
+        self._at_rest.append((rate_radps, stamp_ns))
+        if len(self._at_rest) > self._rest_samples:
+            rate, at_ns = self._at_rest.popleft()
+            self.innovations.append(self._filter.update_gyro(rate, at_ns, standing=True))
 
     def fuse_tracks(self, sample: TrackSample) -> None:
         """Take in the travel of both belts since the last sample."""

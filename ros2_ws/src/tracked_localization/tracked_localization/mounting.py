@@ -1,4 +1,4 @@
-"""Which way is up for a mounted sensor."""
+"""Axes of the base, seen from a mounted sensor."""
 
 import math
 
@@ -10,3 +10,23 @@ def up_axis(roll_pitch_yaw_rad: tuple[float, float, float]) -> tuple[float, floa
     """
     roll, pitch, _ = roll_pitch_yaw_rad
     return (-math.sin(pitch), math.cos(pitch) * math.sin(roll), math.cos(pitch) * math.cos(roll))
+
+
+def forward_axis(roll_pitch_yaw_rad: tuple[float, float, float]) -> tuple[float, float, float]:
+    """The base's forward axis in the frame of a sensor mounted with these fixed-axis angles."""
+    roll, pitch, yaw = roll_pitch_yaw_rad
+    return (
+        math.cos(pitch) * math.cos(yaw),
+        math.sin(roll) * math.sin(pitch) * math.cos(yaw) - math.cos(roll) * math.sin(yaw),
+        math.cos(roll) * math.sin(pitch) * math.cos(yaw) + math.sin(roll) * math.sin(yaw),
+    )
+
+
+def left_axis(roll_pitch_yaw_rad: tuple[float, float, float]) -> tuple[float, float, float]:
+    """The base's axis to the left in the frame of a sensor mounted with these fixed-axis angles."""
+    roll, pitch, yaw = roll_pitch_yaw_rad
+    return (
+        math.cos(pitch) * math.sin(yaw),
+        math.sin(roll) * math.sin(pitch) * math.sin(yaw) + math.cos(roll) * math.cos(yaw),
+        math.cos(roll) * math.sin(pitch) * math.sin(yaw) - math.sin(roll) * math.cos(yaw),
+    )

@@ -38,6 +38,7 @@ from tracked_types import Odometry, Pose2, to_nanoseconds, wrap_angle
 _START_VARIANCE = 1e-8
 _STANDING_VARIANCE = 1e-10
 _FADING_S = 0.5
+_UNSEEN_START_S = 0.05
 _GYRO_ROW = row(YAW_RATE, BIAS)
 _BIAS_ROW = row(BIAS)
 _RATE_ROW = row(YAW_RATE)
@@ -166,6 +167,11 @@ class PoseFilter:
         self._ekf.P[YAW, YAW] += self._settings.settling_yaw_rad**2
         forget(self._ekf.P, BIAS, self.gyro_bias_variance)
         self.memory.drop(BIAS)
+
+    def leave_rest(self) -> None:
+        """The body has begun to turn unseen: what the gyro then shows at once is motion, and no change of its bias."""
+        turning = self._settings.body_yaw_acceleration_radps2 * _UNSEEN_START_S
+        self._ekf.P[YAW_RATE, YAW_RATE] += turning**2
 
     def stand(self, duration_s: float) -> None:
         """Let ``duration_s`` pass at rest: only the gyro's bias may change."""

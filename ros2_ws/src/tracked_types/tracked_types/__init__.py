@@ -26,6 +26,7 @@ from tracked_types.solver_status import SolverStatus
 from tracked_types.stamp_order import StampOrder, clock_set_back
 from tracked_types.stamps import NANOSECONDS_PER_SECOND, seconds_between, to_nanoseconds
 from tracked_types.tracks import LEFT_TRACK, RIGHT_TRACK, TrackSample
+from tracked_types.traction import Grip, Traction
 from tracked_types.trajectory import Trajectory
 from tracked_types.twist import Twist2
 
@@ -43,6 +44,7 @@ __all__ = [
     "ArbiterState",
     "BodyState",
     "GoalReached",
+    "Grip",
     "ImuSample",
     "LaserScan",
     "Mover",
@@ -57,6 +59,7 @@ __all__ = [
     "SolverStatus",
     "StampOrder",
     "TrackSample",
+    "Traction",
     "Trajectory",
     "Twist2",
     "VelocityCommand",

@@ -22,6 +22,7 @@ from node_kit.conversions.slip import slip_from_message, slip_to_message
 from node_kit.conversions.solver_status import solver_status_from_message, solver_status_to_message
 from node_kit.conversions.standard import bool_from_message, bool_to_message, string_from_message, string_to_message
 from node_kit.conversions.tracks import tracks_from_message, tracks_to_message
+from node_kit.conversions.traction import traction_from_message, traction_to_message
 from node_kit.conversions.trajectory import trajectory_from_message, trajectory_to_message
 from node_kit.conversions.twist import command_from_message, command_to_message, twist_from_message, twist_to_message
 
@@ -58,6 +59,8 @@ __all__ = [
     "string_to_message",
     "tracks_from_message",
     "tracks_to_message",
+    "traction_from_message",
+    "traction_to_message",
     "trajectory_from_message",
     "trajectory_to_message",
     "twist_from_message",

@@ -95,6 +95,13 @@ class Mapper:
         self._renew(pose)
         return Placed(pose, None if reason else match, reason)
 
+    def go_on_with(self, grid: LogOddsGrid, odom_in_map: Pose2 | None = None) -> None:
+        """Match with, and add to, another grid from now on; the odometry's frame may have moved in the map."""
+        self.grid = grid
+        self._renewed_at = None
+        if odom_in_map is not None:
+            self.odom_in_map = odom_in_map
+
     def as_map(self) -> OccupancyMap:
         """The map so far."""
         return self.grid.as_map()

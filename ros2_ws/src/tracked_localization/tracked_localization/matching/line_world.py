@@ -38,13 +38,17 @@ class LineWorld:
 
     def ranges(self, origin: Pose2, headings_rad: Array) -> Array:
         """Distance (n,) along each heading in the world to the nearest wall; inf where there is none."""
+        return self.cast(np.array([[origin.x_m, origin.y_m]]), headings_rad)
+
+    def cast(self, origins: Array, headings_rad: Array) -> Array:
+        """The same from one origin (1, 2) for all, or one for each heading (n, 2)."""
         directions = np.column_stack([np.cos(headings_rad), np.sin(headings_rad)])
         begins, along = self.walls[:, 0], self.walls[:, 1] - self.walls[:, 0]
-        offset = begins - np.array([origin.x_m, origin.y_m])
+        offset = begins[None] - origins[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
             across = directions[:, None, 0] * along[None, :, 1] - directions[:, None, 1] * along[None, :, 0]
-            reach = (offset[:, 0] * along[:, 1] - offset[:, 1] * along[:, 0])[None] / across
-            share = (offset[None, :, 0] * directions[:, None, 1] - offset[None, :, 1] * directions[:, None, 0]) / across
+            reach = (offset[:, :, 0] * along[None, :, 1] - offset[:, :, 1] * along[None, :, 0]) / across
+            share = (offset[:, :, 0] * directions[:, None, 1] - offset[:, :, 1] * directions[:, None, 0]) / across
         met: Array = np.where((reach > 0.0) & (share >= 0.0) & (share <= 1.0), reach, np.inf).min(axis=1)
         return met
 

@@ -1,17 +1,25 @@
 """Pose of a scan on a map: Gauss-Newton on the points' distances across the nearest walls, with robust weights."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tracked_localization.matching.wall_field import WallField
+from tracked_localization.matching.wall_field import Walls
 from tracked_types import Pose2, wrap_angle
 from tracked_types.setting import check_settings, setting
 
 Array = NDArray[np.float64]
 _STEP_TOLERANCE = 5e-4  # m, and m at the lever of the turn
 _LEAST_POINTS = 10
+
+
+class WallsNearby(Protocol):
+    """Whoever knows the nearest piece of wall to places: a map's field, or another scan."""
+
+    def at(self, points: Array) -> Walls:
+        """The nearest piece of wall to each of the ``points`` (n, 2)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,7 +71,7 @@ class Match:
         return ""
 
 
-def match_scan(field: WallField, points: Array, guess: Pose2, settings: MatchSettings) -> Match:
+def match_scan(field: WallsNearby, points: Array, guess: Pose2, settings: MatchSettings) -> Match:
     """Lay ``points`` (n, 2), given in the base's frame, over the map, beginning at ``guess``.
 
     Raises
@@ -91,7 +99,7 @@ def match_scan(field: WallField, points: Array, guess: Pose2, settings: MatchSet
 class _NormalEquations:
     """Least squares at one pose; the turn is measured at the lever, so that all three unknowns are metres."""
 
-    def __init__(self, field: WallField, points: Array, pose: Pose2, lever: float, settings: MatchSettings) -> None:
+    def __init__(self, field: WallsNearby, points: Array, pose: Pose2, lever: float, settings: MatchSettings) -> None:
         self._settings, self._pose, self._lever, self._count = settings, pose, lever, len(points)
         placed = pose.transform(points)
         walls = field.at(placed)

@@ -1,0 +1,1 @@
+"""Drives on which slip from three witnesses is measured against the truth; simulated."""

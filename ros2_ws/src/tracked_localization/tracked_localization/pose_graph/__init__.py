@@ -1,0 +1,1 @@
+"""Loops of a map closed by a graph of poses."""

@@ -1,0 +1,1 @@
+"""The lidar as third witness of slip, beside gyro and belts."""
