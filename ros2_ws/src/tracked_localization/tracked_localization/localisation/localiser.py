@@ -109,9 +109,15 @@ class Localiser:
         """The base in the map's frame as of the last scan."""
         return self._pose
 
-    def add(self, points: ScanPoints, odom_pose: Pose2) -> Localised:
-        """Take one scan in; ``odom_pose`` is the base in the odometry's frame at its instant."""
+    def add(self, points: ScanPoints, odom_pose: Pose2, expected: Pose2 | None = None) -> Localised:
+        """Take one scan in; ``odom_pose`` is the base in the odometry's frame at its instant.
+
+        expected: the base in the map's frame as somebody has it who knows of the scans before; by default as odometry
+        has moved since the last one.
+        """
         self._carry_on(odom_pose)
+        if expected is not None:
+            self._pose = expected
         if self._used_ns is None or points.stamp_ns < self._used_ns:
             self._used_ns = points.stamp_ns
         match = match_scan(self._field, points.hits, self._pose, self._matching)
@@ -121,6 +127,15 @@ class Localiser:
         lost = seconds_between(points.stamp_ns, self._used_ns) >= self._settings.lost_after_s
         odom_in_map = self._pose.compose(odom_pose.inverse())
         return Localised(points.stamp_ns, self._pose, self._covariance, odom_in_map, match, not reason, reason, lost)
+
+    def information(self, match: Match) -> Array:
+        """What a match tells of x, y and yaw, (3, 3) in the map's axes; nothing of what the scan does not show.
+
+        Points of one scan err together, so that their information has an end.
+        """
+        bounded = match.information @ np.linalg.inv(np.eye(3) + self._floor @ match.information)
+        symmetric: Array = 0.5 * (bounded + bounded.T)
+        return symmetric
 
     def _carry_on(self, odom_pose: Pose2) -> None:
         """Move as odometry moved, and grow less sure by it."""
@@ -146,9 +161,7 @@ class Localiser:
             return doubt
         offset = match.pose.as_array() - self._pose.as_array()
         offset[2] = wrap_angle(float(offset[2]))
-        # Points of one scan err together: their information has an end. What is unseen stays unseen.
-        information = match.information @ np.linalg.inv(np.eye(3) + self._floor @ match.information)
-        information = 0.5 * (information + information.T)
+        information = self.information(match)
         posterior = self._posterior(information)
         # offset' (P + H^-1)^-1 offset, also where the information H is singular
         surprise = float(offset @ (np.eye(3) - information @ posterior) @ information @ offset)
