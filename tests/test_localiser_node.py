@@ -55,10 +55,14 @@ class Watched:
         )
 
     def live(self, seconds, *motion):
-        """Let the robot go on, a scan period at a time, each time until the node has answered as far as it can."""
+        """Let the robot go on, a scan period at a time."""
         for _ in range(round(10.0 * seconds)):
             self.robot.live(0.1, *motion)
             self.probe.spin(0.005)
+            if self.measured:  # its odometry follows, as ekf's does
+                measured = pose_sample_from_message(self.measured[-1])
+                if measured.stamp_ns == self.robot.stamp_ns:
+                    self.robot.odom_pose = measured.pose
 
     def await_localised(self):
         for _ in range(40):

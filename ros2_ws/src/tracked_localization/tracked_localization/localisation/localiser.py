@@ -28,11 +28,12 @@ class LocaliserSettings:
     )
     surprise: float = setting(
         3.0,
-        "a scan that fits more standard deviations away than this shows that odometry was worse than thought: the pose "
-        "becomes less sure until it fits",
+        "a scan that fits more standard deviations away than this is not believed; when others after it agree, "
+        "odometry was worse than thought: the pose becomes less sure until they fit",
         low=1.0,
         high=100.0,
     )
+    surprising_scans: int = setting(4, "so many surprising scans one after the other are believed", low=1, high=100)
     lost_after_s: float = setting(
         1.0, "without a usable scan for this long the robot is lost", unit="s", low=0.1, high=60.0
     )
@@ -44,6 +45,13 @@ class LocaliserSettings:
         "standard deviation of a match's heading that more points do not make smaller",
         unit="rad",
         low=1e-5,
+        high=1.0,
+    )
+    scan_strangeness: float = setting(
+        0.15,
+        "share of a scan off the map that doubles these two deviations; they grow with its square, since what is not "
+        "on the map, as the floor before a pitching robot, also pulls at the rest",
+        low=0.01,
         high=1.0,
     )
 
@@ -102,6 +110,7 @@ class Localiser:
             raise ValueError(f"the covariance must be symmetric and positive definite, got {spread.tolist()}")
         self._pose, self._covariance = pose, spread
         self._odom_pose: Pose2 | None = None
+        self._surprises = 0
         self._used_ns: int | None = None
 
     @property
@@ -133,7 +142,8 @@ class Localiser:
 
         Points of one scan err together, so that their information has an end.
         """
-        bounded = match.information @ np.linalg.inv(np.eye(3) + self._floor @ match.information)
+        growth = 1.0 + ((1.0 - match.agreement) / self._settings.scan_strangeness) ** 2
+        bounded = match.information @ np.linalg.inv(np.eye(3) + growth**2 * self._floor @ match.information)
         symmetric: Array = 0.5 * (bounded + bounded.T)
         return symmetric
 
@@ -165,7 +175,10 @@ class Localiser:
         posterior = self._posterior(information)
         # offset' (P + H^-1)^-1 offset, also where the information H is singular
         surprise = float(offset @ (np.eye(3) - information @ posterior) @ information @ offset)
-        if surprise > settings.surprise**2:
+        self._surprises = self._surprises + 1 if surprise > settings.surprise**2 else 0
+        if 0 < self._surprises < settings.surprising_scans:
+            return f"the scan fits {math.hypot(offset[0], offset[1]):.2f} m and {abs(offset[2]):.2f} rad from odometry"
+        if self._surprises:
             self._covariance = self._covariance * (surprise / settings.surprise**2)
             posterior = self._posterior(information)
         moved = posterior @ information @ offset

@@ -112,6 +112,8 @@ class RobotOnMap:
         self.phase = Phase.NO_MAP
         self.reason = ""
         self.candidates: tuple[Found, ...] = ()
+        self.unfollowed = 0
+        """How often the odometry did not follow the scans for long, so that its frame was pinned anew."""
 
     def set_map(self, occupancy_map: OccupancyMap) -> None:
         """Localise on this map from now on; where the robot is has to be found anew, unless it was known before.
@@ -235,7 +237,7 @@ class RobotOnMap:
             self._maybe_search(scan)
         elif localised.used and self.phase is Phase.LOCALISED:
             if self._settings.correct_odometry:
-                self._anchor.check(localised.pose, scan.odom_pose, stamp_ns)
+                self.unfollowed += self._anchor.check(localised.pose, scan.odom_pose, stamp_ns)
         elif self._fitting >= self._settings.converged_scans and self._search is None:
             self._enter(Phase.LOCALISED)
             if self._settings.correct_odometry:

@@ -158,6 +158,8 @@ class LocaliserNode(StackNode):
         values: dict[str, object] = {"scans without odometry": self.alignment.uncovered}
         if self._newest is not None:
             match = self._newest.localised.match
+            if self.robot.unfollowed:
+                values["odometry did not follow (is fuse_pose of ekf on?)"] = self.robot.unfollowed
             values |= {"scan on the map": f"{match.agreement:.0%}", "deviation (m)": match.deviation_m}
         self.diagnostics.report("localisation", _LEVELS.get(phase, Level.WARN), sentence, values)
 
