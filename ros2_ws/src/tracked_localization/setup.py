@@ -15,12 +15,15 @@ setup(
     zip_safe=False,
     maintainer="Tracked Stack maintainers",
     maintainer_email="maintainers@tracked-stack.invalid",
-    description="Where the tracked robot is and how its tracks slip: odometry filter and slip estimate.",
+    description="Where the tracked robot is and how its tracks slip: odometry filter, slip, maps, localisation.",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
             "ekf = tracked_localization.nodes.ekf:main",
             "slip_witness = tracked_localization.nodes.slip_witness:main",
+            "localiser = tracked_localization.nodes.localiser:main",
+            "map_server = tracked_localization.nodes.map_server:main",
+            "mapper = tracked_localization.nodes.mapper:main",
         ]
     },
 )

@@ -15,7 +15,8 @@ os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
 import numpy as np
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseWithCovarianceStamped, Twist, TwistStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped
+from nav_msgs.msg import OccupancyGrid
 from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -37,11 +38,13 @@ from tracked_types import (
     Grip,
     ImuSample,
     LaserScan,
+    OccupancyMap,
     Odometry,
     Pose2,
     PoseSample,
     Slip,
     SolverStatus,
+    StampedPose,
     TrackSample,
     Traction,
     Trajectory,
@@ -97,6 +100,18 @@ FAMILIES = {
         PoseWithCovarianceStamped,
         conversions.pose_sample_to_message,
         conversions.pose_sample_from_message,
+    ),
+    "pose_stamped": (
+        StampedPose(STAMP_NS, "map", Pose2(1.0, -2.0, 3.0)),
+        PoseStamped,
+        conversions.pose_stamped_to_message,
+        conversions.pose_stamped_from_message,
+    ),
+    "occupancy_grid": (
+        OccupancyMap("map", 0.05, Pose2(-1.0, 2.0, 0.3), np.array([[-1, 0, 100], [65, 30, 1]], np.int8)),
+        OccupancyGrid,
+        conversions.occupancy_grid_to_message,
+        conversions.occupancy_grid_from_message,
     ),
     "slip": (
         Slip(STAMP_NS, 0.01, -0.2, 1e-4, 2e-4, True, True),

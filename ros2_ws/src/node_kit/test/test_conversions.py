@@ -25,6 +25,8 @@ FAMILIES = (
     "tracks",
     "odometry",
     "pose_sample",
+    "pose_stamped",
+    "occupancy_grid",
     "slip",
     "traction",
     "trajectory",

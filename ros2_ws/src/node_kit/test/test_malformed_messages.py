@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Quaternion, TransformStamped
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry as OdometryMessage
@@ -21,6 +21,8 @@ FAMILIES = (
     "tracks",
     "odometry",
     "pose_sample",
+    "pose_stamped",
+    "occupancy_grid",
     "slip",
     "trajectory",
     "command",
@@ -44,11 +46,14 @@ DOUBLES = PLAUSIBLE | st.floats()
 # The messages' own check of single precision refuses the very largest finite numbers.
 SINGLES = PLAUSIBLE | st.floats(-(2.0**126), 2.0**126, width=32) | st.sampled_from([math.inf, -math.inf, math.nan])
 INTEGERS = {
+    "int8": (-128, 127),
     "uint8": (0, 255),
     "int32": (-(2**31), 2**31 - 1),
     "uint32": (0, 2**32 - 1),
     "uint64": (0, 2**64 - 1),
 }
+
+TYPE_CODES = {"double": "d", "float": "f", "int8": "b"}
 
 
 def random_value(kind, draw):
@@ -73,7 +78,7 @@ def random_value(kind, draw):
         return elements
     values = [random_value(kind.value_type, draw) for _ in range(draw(st.integers(0, 4)))]
     if isinstance(kind.value_type, BasicType):
-        return array("d" if kind.value_type.typename == "double" else "f", values)
+        return array(TYPE_CODES[kind.value_type.typename], values)
     return values
 
 
@@ -147,6 +152,23 @@ def spoiled(families, family, *path_and_value):
         ("odometry", ("twist", "covariance", 35, math.nan), "not finite: twist covariance"),
         ("pose_sample", ("pose", "pose", "position", "x", math.inf), "not finite: position.x"),
         ("pose_sample", ("pose", "covariance", 35, -1.0), "negative variance: pose covariance"),
+        ("pose_stamped", ("pose", "orientation", "w", 5.0), "quaternion norm is not 1: orientation"),
+        ("pose_stamped", ("pose", "orientation", "z", math.nan), "not finite: orientation"),
+        ("pose_stamped", ("pose", "position", "y", math.nan), "not finite: position.y"),
+        ("pose_stamped", ("header", "frame_id", ""), "empty frame: header.frame_id"),
+        ("occupancy_grid", ("header", "frame_id", ""), "empty frame: header.frame_id"),
+        ("occupancy_grid", ("info", "width", 2**31), "2147483648 x 2 cells, expected 1 to 268435456"),
+        ("occupancy_grid", ("info", "height", 2**32 - 1), "3 x 4294967295 cells, expected 1 to 268435456"),
+        ("occupancy_grid", ("info", "width", 0), "0 x 2 cells, expected 1 to 268435456"),
+        ("occupancy_grid", ("info", "resolution", -0.05), "not positive: resolution"),
+        ("occupancy_grid", ("info", "resolution", 0.0), "not positive: resolution"),
+        ("occupancy_grid", ("info", "resolution", math.nan), "not finite: resolution"),
+        ("occupancy_grid", ("data", array("b", [0] * 5)), "size of data is 5, expected 3 x 2"),
+        ("occupancy_grid", ("data", 3, 101), "a cell is outside -1 to 100"),
+        ("occupancy_grid", ("data", 3, -2), "a cell is outside -1 to 100"),
+        ("occupancy_grid", ("info", "origin", "orientation", "w", 5.0), "quaternion norm is not 1: origin"),
+        ("occupancy_grid", ("info", "origin", "orientation", Quaternion(x=1.0, w=0.0)), "tilted: origin"),
+        ("occupancy_grid", ("info", "origin", "position", "x", math.inf), "not finite: origin.x"),
         ("slip", ("speed_variance", -1.0), "negative: speed_variance"),
         ("slip", ("yaw_rate", math.nan), "not finite: yaw_rate"),
         ("trajectory", ("x", array("d", [])), "size of x is 0, expected 3"),

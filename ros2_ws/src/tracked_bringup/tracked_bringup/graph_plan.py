@@ -19,6 +19,8 @@ Grouping = Literal["default", "separate"]
 _SIMULATED: dict[str, dict[str, Value]] = {
     "sim_bridge": {"start_paused": True},
     "ekf": {"reliable_sensors": True},
+    "mapper": {"reliable_sensors": True},
+    "localiser": {"reliable_sensors": True},
     "recorder": {"reliable_sensors": True},
     "slip_witness": {"reliable_sensors": True},
 }

@@ -88,3 +88,13 @@ def test_a_turned_map_gives_the_same_walls():
     walls = turned.at(np.array([[1.2, 2.0], [0.7, 2.0]]))  # the wall runs along x = 3 - 2.05
     assert walls.offset_m * walls.normal[:, 0] == pytest.approx([0.25, -0.25])
     assert abs(walls.normal[:, 1]).max() < 1e-9
+
+
+def test_the_two_faces_of_a_thin_wall_are_told_apart():
+    occupancy = np.zeros((40, 40), np.int8)
+    occupancy[[18, 20], 5:35] = 100  # faces of a wall of 15 cm, seen from both sides
+    occupancy[19, 5:35] = -1
+    field = WallField(OccupancyMap("map", 0.05, Pose2(0.0, 0.0, 0.0), occupancy))
+    walls = field.at(np.array([[1.0, 0.925], [1.0, 1.025]]))
+    np.testing.assert_allclose(walls.offset_m, 0.0, atol=1e-9)
+    np.testing.assert_allclose(np.abs(walls.normal[:, 1]), 1.0)

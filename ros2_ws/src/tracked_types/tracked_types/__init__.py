@@ -24,6 +24,7 @@ from tracked_types.setting import check_settings, setting, settings_of
 from tracked_types.slip import Slip
 from tracked_types.solver_status import SolverStatus
 from tracked_types.stamp_order import StampOrder, clock_set_back
+from tracked_types.stamped_pose import StampedPose
 from tracked_types.stamps import NANOSECONDS_PER_SECOND, seconds_between, to_nanoseconds
 from tracked_types.tracks import LEFT_TRACK, RIGHT_TRACK, TrackSample
 from tracked_types.traction import Grip, Traction
@@ -58,6 +59,7 @@ __all__ = [
     "Slip",
     "SolverStatus",
     "StampOrder",
+    "StampedPose",
     "TrackSample",
     "Traction",
     "Trajectory",

@@ -28,11 +28,12 @@ class LocaliserSettings:
     )
     surprise: float = setting(
         3.0,
-        "a scan that fits more standard deviations away than this shows that odometry was worse than thought: the pose "
-        "becomes less sure until it fits",
+        "a scan that fits more standard deviations away than this is not believed; when others after it agree, "
+        "odometry was worse than thought: the pose becomes less sure until they fit",
         low=1.0,
         high=100.0,
     )
+    surprising_scans: int = setting(4, "so many surprising scans one after the other are believed", low=1, high=100)
     lost_after_s: float = setting(
         1.0, "without a usable scan for this long the robot is lost", unit="s", low=0.1, high=60.0
     )
@@ -44,6 +45,13 @@ class LocaliserSettings:
         "standard deviation of a match's heading that more points do not make smaller",
         unit="rad",
         low=1e-5,
+        high=1.0,
+    )
+    scan_strangeness: float = setting(
+        0.15,
+        "share of a scan off the map that doubles these two deviations; they grow with its square, since what is not "
+        "on the map, as the floor before a pitching robot, also pulls at the rest",
+        low=0.01,
         high=1.0,
     )
 
@@ -102,6 +110,7 @@ class Localiser:
             raise ValueError(f"the covariance must be symmetric and positive definite, got {spread.tolist()}")
         self._pose, self._covariance = pose, spread
         self._odom_pose: Pose2 | None = None
+        self._surprises = 0
         self._used_ns: int | None = None
 
     @property
@@ -109,9 +118,15 @@ class Localiser:
         """The base in the map's frame as of the last scan."""
         return self._pose
 
-    def add(self, points: ScanPoints, odom_pose: Pose2) -> Localised:
-        """Take one scan in; ``odom_pose`` is the base in the odometry's frame at its instant."""
+    def add(self, points: ScanPoints, odom_pose: Pose2, expected: Pose2 | None = None) -> Localised:
+        """Take one scan in; ``odom_pose`` is the base in the odometry's frame at its instant.
+
+        expected: the base in the map's frame as somebody has it who knows of the scans before; by default as odometry
+        has moved since the last one.
+        """
         self._carry_on(odom_pose)
+        if expected is not None:
+            self._pose = expected
         if self._used_ns is None or points.stamp_ns < self._used_ns:
             self._used_ns = points.stamp_ns
         match = match_scan(self._field, points.hits, self._pose, self._matching)
@@ -121,6 +136,16 @@ class Localiser:
         lost = seconds_between(points.stamp_ns, self._used_ns) >= self._settings.lost_after_s
         odom_in_map = self._pose.compose(odom_pose.inverse())
         return Localised(points.stamp_ns, self._pose, self._covariance, odom_in_map, match, not reason, reason, lost)
+
+    def information(self, match: Match) -> Array:
+        """What a match tells of x, y and yaw, (3, 3) in the map's axes; nothing of what the scan does not show.
+
+        Points of one scan err together, so that their information has an end.
+        """
+        growth = 1.0 + ((1.0 - match.agreement) / self._settings.scan_strangeness) ** 2
+        bounded = match.information @ np.linalg.inv(np.eye(3) + growth**2 * self._floor @ match.information)
+        symmetric: Array = 0.5 * (bounded + bounded.T)
+        return symmetric
 
     def _carry_on(self, odom_pose: Pose2) -> None:
         """Move as odometry moved, and grow less sure by it."""
@@ -146,13 +171,14 @@ class Localiser:
             return doubt
         offset = match.pose.as_array() - self._pose.as_array()
         offset[2] = wrap_angle(float(offset[2]))
-        # Points of one scan err together: their information has an end. What is unseen stays unseen.
-        information = match.information @ np.linalg.inv(np.eye(3) + self._floor @ match.information)
-        information = 0.5 * (information + information.T)
+        information = self.information(match)
         posterior = self._posterior(information)
         # offset' (P + H^-1)^-1 offset, also where the information H is singular
         surprise = float(offset @ (np.eye(3) - information @ posterior) @ information @ offset)
-        if surprise > settings.surprise**2:
+        self._surprises = self._surprises + 1 if surprise > settings.surprise**2 else 0
+        if 0 < self._surprises < settings.surprising_scans:
+            return f"the scan fits {math.hypot(offset[0], offset[1]):.2f} m and {abs(offset[2]):.2f} rad from odometry"
+        if self._surprises:
             self._covariance = self._covariance * (surprise / settings.surprise**2)
             posterior = self._posterior(information)
         moved = posterior @ information @ offset

@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from tracked_types import OCCUPIED_PERCENT, OccupancyMap
 
 Array = NDArray[np.float64]
-_NEIGHBOURHOOD = 5  # cells
+_REACH = 2  # cells to each side that the fit of a wall takes in
+_OFFSETS = np.array([(x, y) for y in range(-_REACH, _REACH + 1) for x in range(-_REACH, _REACH + 1)], np.float64)
+_PRODUCTS = np.einsum("ki,kj->kij", _OFFSETS, _OFFSETS).reshape(-1, 4)
 _STRAIGHT = 0.35  # of the variance across a wall to that along it
 
 
@@ -65,33 +67,40 @@ class WallField:
 
 
 def _lines(occupancy_map: OccupancyMap, occupied: NDArray[np.bool_], cells: NDArray[np.intp]) -> tuple[Array, Array]:
-    """Middle (n, 2) and normal (n, 2), NaN where there is none, of the wall around each occupied cell."""
-    weight = np.where(occupied, occupancy_map.occupancy / 100.0, 0.0)
-    row, column = cells.T
-    mean_row, mean_column = row.mean(), column.mean()
-    up = np.arange(weight.shape[0])[:, None] - mean_row
-    right = np.arange(weight.shape[1])[None, :] - mean_column
+    """Middle (n, 2) and normal (n, 2), NaN where there is none, of the wall around each occupied cell.
 
-    def around(values: Array) -> Array:
-        size = (_NEIGHBOURHOOD, _NEIGHBOURHOOD)
-        blurred = cv2.boxFilter(values, cv2.CV_64F, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
-        found: Array = np.asarray(blurred, np.float64)[row, column]
-        return found
-
-    total = around(weight)
-    centre_x, centre_y = around(weight * right) / total, around(weight * up) / total
-    variance_x = around(weight * right**2) / total - centre_x**2
-    variance_y = around(weight * up**2) / total - centre_y**2
-    mixed = around(weight * right * up) / total - centre_x * centre_y
-    spread = np.stack([np.stack([variance_x, mixed], -1), np.stack([mixed, variance_y], -1)], -2)
-    variances, directions = np.linalg.eigh(spread)
+    A thin wall that was seen from both sides has two faces. A cell is fitted with those around it that face the same
+    way, that is, have what is free on the same side.
+    """
+    weight = _around(np.where(occupied, occupancy_map.occupancy / 100.0, 0.0), cells)
+    vacant = (occupancy_map.occupancy >= 0) & ~occupied
+    facing = np.zeros((2, *occupied.shape))
+    facing[:, cells[:, 0], cells[:, 1]] = _OFFSETS.T @ _around(vacant.astype(np.float64), cells).T
+    own: Array = facing[:, cells[:, 0], cells[:, 1]]
+    alike = own[0, :, None] * _around(facing[0], cells) + own[1, :, None] * _around(facing[1], cells) > 0.0
+    faceless = (own == 0.0).all(axis=0)
+    weight = weight * (alike | np.asarray(faceless)[:, None])
+    total = weight.sum(axis=1)
+    centre = weight @ _OFFSETS / total[:, None]
+    squares = weight @ _PRODUCTS / total[:, None] - np.einsum("ni,nj->nij", centre, centre).reshape(-1, 4)
+    variances, directions = np.linalg.eigh(squares.reshape(-1, 2, 2))
     normal = directions[:, :, 0]
     # The local frame of the grid may be turned in the map's frame.
     turn = occupancy_map.origin.yaw_rad
     normal = normal @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     straight = (variances[:, 1] > 0.5) & (variances[:, 0] < _STRAIGHT * variances[:, 1])
-    places = np.column_stack([centre_x + mean_column, centre_y + mean_row])
+    places = cells[:, ::-1] + centre
     middle = occupancy_map.origin.transform((places + 0.5) * occupancy_map.resolution_m)
     # Round corners the fit leaves the wall: there the cell itself says where it is.
-    own = occupancy_map.centres_of(cells)
-    return np.where(straight[:, None], middle, own), np.where(straight[:, None], normal, np.nan)
+    return (
+        np.where(straight[:, None], middle, occupancy_map.centres_of(cells)),
+        np.where(straight[:, None], normal, np.nan),
+    )
+
+
+def _around(values: Array, cells: NDArray[np.intp]) -> Array:
+    """Values (n, 25) of the cells around each of the cells, in the order of the offsets; zero beyond the edge."""
+    padded = np.pad(values, _REACH)
+    row, column = cells[:, :1] + _REACH, cells[:, 1:] + _REACH
+    found: Array = padded[row + _OFFSETS[:, 1].astype(np.intp), column + _OFFSETS[:, 0].astype(np.intp)]
+    return found
