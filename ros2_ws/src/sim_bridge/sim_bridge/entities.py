@@ -105,7 +105,7 @@ class Entities:
         self._index()
 
     def move_to(self, name: str, x_m: float, y_m: float) -> None:
-        """Shift an entity to a place on the floor, upright as it is; raises EntityError if there is none of this name."""
+        """Shift an entity to another place, turned and as high as it is; raises EntityError if there is none of it."""
         body = self._id(name)
         (_, _, z), orientation = pybullet.getBasePositionAndOrientation(body, physicsClientId=self._client)
         pybullet.resetBasePositionAndOrientation(body, (x_m, y_m, z), orientation, physicsClientId=self._client)

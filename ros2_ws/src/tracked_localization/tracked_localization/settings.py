@@ -14,7 +14,8 @@ class OdometryFilterSettings:
     """What the odometry filter knows of the robot, and what may be tuned.
 
     belt_yaw_ratio: yaw rate over ground per yaw rate of the belts, used only while the gyro fails.
-    imu_up_axis: (3,) the base's upward axis, seen from the IMU; imu_rpy_rad: how the IMU is mounted, fixed-axis angles. The rates are those of ``robot.yaml``.
+    imu_up_axis: (3,) the base's upward axis, seen from the IMU. imu_rpy_rad: how the IMU is
+    mounted, fixed-axis angles. The rates are those of ``robot.yaml``.
     """
 
     slip: SlipSettings

@@ -14,7 +14,7 @@ class Odometry:
     """Pose of the base in ``frame_id`` and its twist in ``child_frame_id`` at one instant.
 
     pose_covariance: 3x3 over (x, y, yaw) in m, rad; twist_covariance: 2x2 over (speed, yaw rate).
-    roll_rad, pitch_rad: fixed-axis angles of the base against the horizon (REP-103); the pose is its place on the floor.
+    roll_rad, pitch_rad: of the base against the horizon, fixed-axis (REP-103); the pose is its place on the floor.
     """
 
     stamp_ns: int

@@ -21,8 +21,11 @@ _LEGS = 3  # planned ahead where there are goals to pass
 
 @dataclass(frozen=True, slots=True)
 class PathAnswer:
-    """reason: why there is no path, in words; empty if there is one. nearest: the reachable place nearest to the goal.
-    by_map: the map itself leaves no way, so that waiting does not help. changed: the path is another one than before."""
+    """What came of a look.
+
+    reason: why there is no path, in words; empty if there is one. nearest: the reachable place nearest to the goal.
+    by_map: the map itself leaves no way, so that waiting does not help. changed: the path is another one than before.
+    """
 
     changed: bool = False
     reason: str = ""
