@@ -105,7 +105,9 @@ class Simulator:
         tick, rest = divmod(self._steps, self._steps_per_tick)
         if rest:
             return None
-        self._walking.move(self.vehicle.entities, self.stamp_ns)
+        if self.world.walkers:
+            x, y, _ = self.vehicle.state.position_m.tolist()
+            self._walking.move(self.vehicle.entities, self.stamp_ns, (x, y))
         return self.sensors.update(self._motion(), tick, partial(cast_rays, self.vehicle.client))
 
     def reset(self, seed: int) -> None:

@@ -13,12 +13,14 @@ from tracked_types import seconds_between
 from tracked_types.checked_yaml import CheckedModel
 
 ORANGE: Colour = (0.9, 0.55, 0.2)
+_STEP_S = 0.3
 
 
 class Walker(CheckedModel):
-    """A cylinder that walks along ``waypoints_m`` and back, for ever; it yields to nobody.
+    """A cylinder that walks along ``waypoints_m`` and back, for ever.
 
-    ``begins_s``: until this simulated time it stands at the first waypoint.
+    ``begins_s``: until this simulated time it stands at the first waypoint. ``polite_m``: it waits while the robot's
+    middle is nearer than this to where it would step; 0: it yields to nobody.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
@@ -26,6 +28,7 @@ class Walker(CheckedModel):
     speed_mps: Annotated[float, Field(gt=0.0, le=5.0, allow_inf_nan=False)]
     radius_m: Positive = 0.22
     height_m: Positive = 1.6
+    polite_m: Annotated[float, Field(ge=0.0, le=10.0, allow_inf_nan=False)] = 0.0
     begins_s: Annotated[float, Field(ge=0.0, le=1e6, allow_inf_nan=False)] = 0.0
     colour: Colour = ORANGE
 
@@ -60,13 +63,23 @@ class Walking:
 
     def __init__(self, walkers: tuple[Walker, ...]) -> None:
         self._walkers = walkers
+        self._waited_s = dict.fromkeys((walker.name for walker in walkers), 0.0)
+        self._stamp_ns = 0
 
-    def move(self, entities: Entities, stamp_ns: int) -> None:
-        """Put every walker that is still in the world where it is at ``stamp_ns``."""
-        time_s = seconds_between(stamp_ns, 0)
+    def move(self, entities: Entities, stamp_ns: int, robot_m: tuple[float, float]) -> None:
+        """Put every walker that is still in the world where it is at ``stamp_ns``; ``robot_m`` is the robot's place."""
+        time_s, period_s = seconds_between(stamp_ns, 0), seconds_between(stamp_ns, self._stamp_ns)
+        self._stamp_ns = stamp_ns
         for walker in self._walkers:
-            if walker.name in entities.names:
-                entities.move_to(walker.name, *walker.place_m(time_s))
+            if walker.name not in entities.names:
+                continue
+            place = walker.place_m(time_s - self._waited_s[walker.name])
+            if walker.polite_m > 0.0:
+                soon = walker.place_m(time_s - self._waited_s[walker.name] + _STEP_S)
+                if math.dist(soon, robot_m) < min(walker.polite_m, math.dist(place, robot_m)):
+                    self._waited_s[walker.name] += period_s
+                    continue
+            entities.move_to(walker.name, *place)
 
 
 def _steps(points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,10 +1,7 @@
 """A drive to goals in the simulated world, closed through the stack's own objects, in lock-step and without ROS."""
 
-import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-
-import numpy as np
+from dataclasses import dataclass
 
 from sim_bridge.simulator import Simulator, SimulatorSettings
 from sim_bridge.world import World
@@ -12,18 +9,19 @@ from tracked_description import Robot
 from tracked_lab.steering import NmpcLayers
 from tracked_lab.tuning import NodeParameters
 from tracked_localization import OdometryFilter, OdometryFilterSettings, SlipSettings
-from tracked_localization.localisation.localiser import Localised, Localiser, LocaliserSettings
-from tracked_localization.matching.pose_history import PoseHistory
+from tracked_localization.localisation.global_search import SearchSettings
+from tracked_localization.localisation.localiser import LocaliserSettings
+from tracked_localization.localisation.odometry_anchor import AnchorSettings
+from tracked_localization.localisation.robot_on_map import OnMap, Phase, RobotOnMap, RobotOnMapSettings
+from tracked_localization.matching.scan_alignment import AlignedScan, ScanAlignment
 from tracked_localization.matching.scan_matcher import MatchSettings
-from tracked_localization.matching.scan_points import scan_points
-from tracked_localization.matching.wall_field import WallField
 from tracked_navigation.band import BandSettings, TimedElasticBand
 from tracked_navigation.movers.mover_tracker import MoverSettings
 from tracked_navigation.navigator import Finished, Navigator, NavigatorOutput, NavigatorSettings
 from tracked_navigation.planning.costmap import CostSettings
 from tracked_navigation.planning.zones import Zones
 from tracked_safety import ArbiterSettings, CommandArbiter, CommandRefused
-from tracked_types import BodyState, LaserScan, OccupancyMap, Odometry, Pose2, PoseSample, VelocityCommand
+from tracked_types import BodyState, OccupancyMap, Odometry, Pose2, Slip, VelocityCommand
 
 _PIPELINE_LATENCY_S = 0.1
 
@@ -35,10 +33,10 @@ class Moment:
     stamp_ns: int
     truth: BodyState | None = None
     odometry: Odometry | None = None
-    localised: Localised | None = None
+    on_map: OnMap | None = None
     output: NavigatorOutput | None = None
     command: VelocityCommand | None = None
-    finished: Finished | None = field(default=None)
+    finished: Finished | None = None
 
 
 class GoalDrive:
@@ -63,14 +61,12 @@ class GoalDrive:
         self.simulator = Simulator(robot, world, SimulatorSettings(), seed=seed, start=start)
         self.filter = OdometryFilter(OdometryFilterSettings.from_robot(robot, SlipSettings.from_robot(robot)))
         self.filter.expect_poses()
-        self._history = PoseHistory()
-        self._lidar = Pose2(robot.lidar.xyz_m[0], robot.lidar.xyz_m[1], robot.lidar.rpy_rad[2])
-        matching = MatchSettings()
-        self.localiser = Localiser(
-            LocaliserSettings(), matching, WallField(occupancy_map), start, np.diag([1e-4, 1e-4, 1e-4])
-        )
-        self._anchor = start  # the odometry begins where the robot stands
-        self._odom_in_map: Pose2 | None = start
+        self._alignment = ScanAlignment.of_robot(robot)
+        on_map = RobotOnMapSettings(correct_odometry=True)
+        self.localiser = RobotOnMap(on_map, LocaliserSettings(), MatchSettings(), SearchSettings(), AnchorSettings())
+        self.localiser.set_map(occupancy_map)
+        self.localiser.set_pose(start)
+        self._odom_in_map: Pose2 | None = None
         self.navigator = Navigator(
             NavigatorSettings(**parameters.get("navigator", {})),
             TimedElasticBand(BandSettings.from_robot(robot)),
@@ -88,7 +84,7 @@ class GoalDrive:
         asked = False
         end_ns = self.simulator.stamp_ns + round(limit_s * 1e9)
         while self.simulator.stamp_ns < end_ns:
-            if not asked and self._history.newest_ns is not None:
+            if not asked and self.localiser.phase is Phase.LOCALISED:
                 self.navigator.go(goals)
                 asked = True
             moment = self._tick()
@@ -108,19 +104,20 @@ class GoalDrive:
         for estimate in estimates:
             self._react(estimate.odometry, estimate.slip, moment)
         for scan in batch.scans:
-            self._localise(scan, moment)
+            self._take(self._alignment.add_scan(scan), moment)
         return moment
 
-    def _react(self, odometry: Odometry, slip: object, moment: Moment) -> None:
+    def _react(self, odometry: Odometry, slip: Slip, moment: Moment) -> None:
         moment.odometry = odometry
-        self._history.add(odometry)
+        self._take(self._alignment.add_odometry(odometry), moment)
+        self.localiser.work(odometry.stamp_ns)
         stopped = self.arbiter.tick(odometry.stamp_ns)
         output = self.navigator.update(odometry, self._odom_in_map)
         if output is not None:
             moment.output, moment.finished = output, output.finished
             if output.reference is not None:
                 self.steering.set_reference(output.reference)
-        self.steering.set_slip(slip)  # type: ignore[arg-type]
+        self.steering.set_slip(slip)
         steered = self.steering.update(odometry)
         sent = stopped
         if steered is not None and steered.command is not None:
@@ -133,26 +130,13 @@ class GoalDrive:
             self.steering.set_sent(sent)
             self.simulator.submit(sent)
 
-    def _localise(self, scan: LaserScan, moment: Moment) -> None:
-        points = scan_points(scan, self._lidar, self._history, height_m=self.robot.lidar.xyz_m[2])
-        placed = self._history.at(np.array([points.stamp_ns], np.int64))
-        if placed is None:
-            return
-        odom_pose = Pose2(*placed[0].tolist())
-        moment.localised = found = self.localiser.add(points, odom_pose)
-        self._odom_in_map = None if found.lost else found.odom_in_map
-        if found.used:
-            sample = self._measured(found)
-            self.filter.add_pose(sample)
-        self.navigator.see(points, found.pose)
-
-    def _measured(self, found: Localised) -> PoseSample:
-        """The match as a measurement in the odometry's frame."""
-        pose = self._anchor.inverse().compose(found.match.pose)
-        floor = np.diag([0.01**2, 0.01**2, 0.004**2])
-        values, axes = np.linalg.eigh(found.match.information)
-        spread = axes @ np.diag(1.0 / np.maximum(values, 1e-2)) @ axes.T + floor
-        back = -self._anchor.yaw_rad
-        turn = np.array([[math.cos(back), -math.sin(back), 0], [math.sin(back), math.cos(back), 0], [0, 0, 1.0]])
-        covariance = turn @ spread @ turn.T
-        return PoseSample(found.stamp_ns, "odom", pose, 0.5 * (covariance + covariance.T))
+    def _take(self, scans: list[AlignedScan], moment: Moment) -> None:
+        for scan in scans:
+            found = self.localiser.add(scan)
+            known = found is not None and self.localiser.phase is Phase.LOCALISED
+            moment.on_map = found
+            self._odom_in_map = found.odom_in_map if found is not None and known else None
+            if found is not None and found.measured is not None:
+                self.filter.add_pose(found.measured)
+            if self._odom_in_map is not None:
+                self.navigator.see(scan.points, self._odom_in_map.compose(scan.odom_pose))

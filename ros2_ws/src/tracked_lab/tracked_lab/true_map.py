@@ -32,7 +32,8 @@ def true_map(
     if not outlines:
         raise ValueError(f"world {world.name}: nothing reaches up to the lidar")
     corners = np.concatenate(outlines)
-    low = np.floor((corners.min(axis=0) - _ROOM_M) / resolution_m) * resolution_m
+    # Faces usually lie on round numbers: half a cell away from them, no face lies between two cells.
+    low = (np.floor((corners.min(axis=0) - _ROOM_M) / resolution_m) - 0.5) * resolution_m
     width, height = np.ceil((corners.max(axis=0) + _ROOM_M - low) / resolution_m).astype(int).tolist()
     occupancy = np.full((height, width), FREE, np.int8)
     mask = np.zeros((height, width), np.uint8)

@@ -5,6 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+_ANGLES = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+_CIRCLE = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])
+
 
 @dataclass(frozen=True, slots=True)
 class Mover:
@@ -26,3 +29,9 @@ class Mover:
         """Where it is ``after_s`` seconds after its stamp if it goes on, (2,)."""
         ahead: NDArray[np.float64] = self.position_m + after_s * self.velocity_mps
         return ahead
+
+    @property
+    def rim(self) -> NDArray[np.float64]:
+        """Points (24, 2) on the edge of its disc at its stamp."""
+        edge: NDArray[np.float64] = self.position_m + self.radius_m * _CIRCLE
+        return edge

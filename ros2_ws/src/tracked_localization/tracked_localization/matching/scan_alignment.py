@@ -31,11 +31,11 @@ class AlignedScan:
 class ScanAlignment:
     """Pairs scans with odometry; what it gives does not depend on which of the two comes first.
 
-    lidar: mounting in the base's frame.
+    lidar: mounting in the base's frame. height_m: of the lidar over the floor; without it the robot is always level.
     """
 
-    def __init__(self, lidar: Pose2) -> None:
-        self._lidar = lidar
+    def __init__(self, lidar: Pose2, height_m: float | None = None) -> None:
+        self._lidar, self._height_m = lidar, height_m
         self._history = PoseHistory()
         self._waiting: deque[LaserScan] = deque()
         self._scan_order = StampOrder()
@@ -50,10 +50,10 @@ class ScanAlignment:
         ------
         ValueError: it is not mounted level.
         """
-        (x, y, _), (roll, pitch, yaw) = robot.lidar.xyz_m, robot.lidar.rpy_rad
+        (x, y, z), (roll, pitch, yaw) = robot.lidar.xyz_m, robot.lidar.rpy_rad
         if max(abs(roll), abs(pitch)) > _STEEPEST_RAD:
             raise ValueError(f"the lidar must be mounted level, got roll {roll:g} and pitch {pitch:g} rad")
-        return cls(Pose2(x, y, yaw))
+        return cls(Pose2(x, y, yaw), robot.base_link_height_m + z)
 
     @property
     def newest_ns(self) -> int | None:
@@ -98,7 +98,7 @@ class ScanAlignment:
         done: list[AlignedScan] = []
         newest_ns = self._history.newest_ns
         while newest_ns is not None and self._waiting and _end_ns(self._waiting[0]) <= newest_ns:
-            points = scan_points(self._waiting.popleft(), self._lidar, self._history)
+            points = scan_points(self._waiting.popleft(), self._lidar, self._history, height_m=self._height_m)
             odom_pose = self.odom_pose(points.stamp_ns)
             if odom_pose is None:
                 self.uncovered += 1

@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 
 from tracked_localization.matching.scan_points import ScanPoints
 from tracked_navigation.band import BandResult, TimedElasticBand
+from tracked_navigation.band.band_result import STOP
 from tracked_navigation.movers.mover_tracker import MoverSettings
 from tracked_navigation.navigator.arrival import Arrival, Verdict, errors
+from tracked_navigation.navigator.escape import way_out
 from tracked_navigation.navigator.global_path import GlobalPath
 from tracked_navigation.navigator.pieces import braked, in_frame, standing
 from tracked_navigation.navigator.progress import Finished, NavigatorOutput, Outcome, Progress
@@ -31,6 +33,8 @@ from tracked_types import (
 )
 
 Array = NDArray[np.float64]
+_TOUCHED_UPDATES = 5
+_ESCAPE_VIEW_M = 1.5
 _PARKING_DRIFT_M = 0.015
 _JUMP_M, _JUMP_RAD = 0.25, 0.15  # of the odometry's frame in the map, beyond which the robot was somewhere else
 
@@ -47,6 +51,8 @@ class _Request:
     waits: str = ""
     followed: Trajectory | None = None
     parked: Pose2 | None = None
+    escape: Trajectory | None = None
+    stood: int = 0
 
 
 class Navigator:
@@ -168,13 +174,19 @@ class Navigator:
         landed = request.arrival.update(request.goals[-1], request.followed, pose, odometry.twist, stamp_ns)
         if landed is not None:
             return self._land(request, landed, odometry, odom_in_map, pose)
+        escaping = self._escape(request, pose, stamp_ns)
+        if escaping is not None:
+            reference = in_frame(escaping, odometry.frame_id, odom_in_map.inverse(), from_ns=stamp_ns)
+            progress = self._progress(request, pose, stamp_ns)
+            return NavigatorOutput(stamp_ns, reference, movers=self._movers_now, progress=progress)
         result = self._band(request, pose, odometry.twist, stamp_ns)
         request.waits = result.reason
+        request.stood = request.stood + 1 if result.kind == STOP and result.unavoidable else 0
         self._note_headway(request, stamp_ns)
         if self._request is None:
             return None
         assert result.trajectory is not None
-        request.followed = None if result.kind == "stop" else result.trajectory
+        request.followed = None if result.kind == STOP else result.trajectory
         reference = in_frame(result.trajectory, odometry.frame_id, odom_in_map.inverse())
         progress = self._progress(request, pose, stamp_ns)
         return NavigatorOutput(stamp_ns, reference, result, changed, self._movers_now, progress)
@@ -195,6 +207,22 @@ class Navigator:
         )
         obstacles = self._view.obstacles_around(pose, settings.view_m)
         return band.update(begin, moving, ahead, obstacles, self._view.movers, stamp_ns)
+
+    def _escape(self, request: _Request, pose: Pose2, stamp_ns: int) -> Trajectory | None:
+        """The way out that is under way, or a new one where the robot has been touched for long; None if neither."""
+        if request.escape is not None and stamp_ns < request.escape.end_ns:
+            return request.escape
+        request.escape = None
+        if request.stood > _TOUCHED_UPDATES:
+            assert self._view is not None
+            settings = self.band.settings
+            obstacles = self._view.obstacles_around(pose, _ESCAPE_VIEW_M)
+            discs = [mover.rim for mover in self._view.movers]
+            request.escape = way_out(
+                pose, settings.footprint, np.concatenate([obstacles, *discs]), stamp_ns, settings.frame_id
+            )
+            request.stood, request.waits = 0, "backs off from what touches it"
+        return request.escape
 
     def _look(self, request: _Request, pose: Pose2, stamp_ns: int) -> bool:
         """Plan where that is due; whether there is a path."""
@@ -304,7 +332,7 @@ class Navigator:
         """What was being driven is of no use any more."""
         self.band.forget()
         if self._request is not None:
-            self._request.followed = self._request.parked = self._request.looked_ns = None
+            self._request.followed = self._request.parked = self._request.escape = self._request.looked_ns = None
 
     def _end(
         self,

@@ -25,10 +25,9 @@ class UnmappedObstacles:
         or not, and where it was taken from, (2,); in the map's frame."""
         self._forget_what_beams_pass(ends, origin, stamp_ns)
         row, column, inside = self._map.look_up(unexplained)
-        cells = np.unique(row[inside] * self._sightings.shape[1] + column[inside])
-        sightings, seen_ns = self._sightings.reshape(-1), self._seen_ns.reshape(-1)
-        sightings[cells] = np.minimum(sightings[cells] + 1, 2 * _SIGHTINGS)
-        seen_ns[cells] = stamp_ns
+        row, column = np.unique(np.stack([row[inside], column[inside]]), axis=1)
+        self._sightings[row, column] = np.minimum(self._sightings[row, column] + 1, 2 * _SIGHTINGS)
+        self._seen_ns[row, column] = stamp_ns
 
     @property
     def points(self) -> Array:

@@ -13,7 +13,6 @@ Array = NDArray[np.float64]
 _OF_WALL_M = 0.15  # points so near to something of the map are of it
 _OF_MOVER_M = 0.15  # points so near to a mover's disc are of it
 _STANDING_MPS = 0.12
-_RIM = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
 
 
 class View:
@@ -54,9 +53,7 @@ class View:
     def unmapped(self) -> Array:
         """Points (n, 2) that the map lacks and that will stay for now; movers that stand are among them."""
         standing = [
-            mover.position_m + mover.radius_m * np.column_stack([np.cos(_RIM), np.sin(_RIM)])
-            for mover in self.movers
-            if np.hypot(*mover.velocity_mps) < _STANDING_MPS
+            mover.rim for mover in self.movers if np.hypot(*mover.velocity_mps) < _STANDING_MPS
         ]
         return np.concatenate([self._unmapped.points, *standing])
 
