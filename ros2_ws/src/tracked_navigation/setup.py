@@ -15,7 +15,12 @@ setup(
     zip_safe=False,
     maintainer="Tracked Stack maintainers",
     maintainer_email="maintainers@tracked-stack.invalid",
-    description="Reference trajectories from named shapes and files, and the node that plays them.",
+    description="Reference trajectories from shapes and files, and driving to goals on a map.",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["trajectory_player = tracked_navigation.nodes.trajectory_player:main"]},
+    entry_points={
+        "console_scripts": [
+            "navigator = tracked_navigation.nodes.navigator:main",
+            "trajectory_player = tracked_navigation.nodes.trajectory_player:main",
+        ]
+    },
 )

@@ -95,7 +95,7 @@ class Bringup:
         settings = RunSettings(
             label=variant,
             duration_s=scenario.duration_s,
-            open_ended=scenario.reference is None,
+            open_ended=not scenario.drives,
             faults=scenario.faults,
         )
         started_s = time.monotonic()
@@ -110,7 +110,7 @@ class Bringup:
             self._records[variant] = record
 
     def _report(self) -> ExitCode:
-        if not self._records or self._scenario.reference is None:
+        if not self._records or not self._scenario.drives:
             return ExitCode.DONE
         self._console.status("writing the report")
         try:

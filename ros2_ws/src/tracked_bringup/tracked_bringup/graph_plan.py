@@ -169,5 +169,7 @@ def _takes_part(node: str, entry: NodeEntry, scenario: Scenario, variant: str) -
     if node in scenario.nodes or entry.optional:
         return scenario.nodes.get(node, False)
     if node == "lower_nmpc":
-        return scenario.reference is not None and scenario.variants[variant].layers == "double"
-    return scenario.reference is not None or node not in ("trajectory_player", "upper_nmpc")
+        return scenario.drives and scenario.variants[variant].layers == "double"
+    if node == "upper_nmpc":
+        return scenario.drives
+    return node != "trajectory_player" or scenario.reference is not None

@@ -109,6 +109,16 @@ class Scenario(CheckedModel):
         return self
 
     @property
+    def navigates(self) -> bool:
+        """Whether the robot drives to goals on a map instead of along a reference that is known beforehand."""
+        return self.nodes.get("navigator", False)
+
+    @property
+    def drives(self) -> bool:
+        """Whether anybody gives the layers something to follow."""
+        return self.reference is not None or self.navigates
+
+    @property
     def baseline_name(self) -> str:
         """Variant the others are compared with: the one named, else the first."""
         return self.baseline or next(iter(self.variants))

@@ -14,8 +14,10 @@ from node_kit.conversions.clock import clock_from_message, clock_to_message
 from node_kit.conversions.goal import goal_reached_from_message, goal_reached_to_message
 from node_kit.conversions.headers import fill_header, fill_stamp, header_from_message, stamp_from_message
 from node_kit.conversions.imu import imu_from_message, imu_to_message
+from node_kit.conversions.movers import movers_to_message
 from node_kit.conversions.occupancy_grid import occupancy_grid_from_message, occupancy_grid_to_message
 from node_kit.conversions.odometry import odometry_from_message, odometry_to_message
+from node_kit.conversions.path import path_to_message
 from node_kit.conversions.pose_sample import pose_sample_from_message, pose_sample_to_message
 from node_kit.conversions.pose_stamped import pose_stamped_from_message, pose_stamped_to_message
 from node_kit.conversions.safety_state import safety_state_from_message, safety_state_to_message
@@ -44,10 +46,12 @@ __all__ = [
     "header_from_message",
     "imu_from_message",
     "imu_to_message",
+    "movers_to_message",
     "occupancy_grid_from_message",
     "occupancy_grid_to_message",
     "odometry_from_message",
     "odometry_to_message",
+    "path_to_message",
     "pose_sample_from_message",
     "pose_sample_to_message",
     "pose_stamped_from_message",

@@ -52,9 +52,7 @@ class View:
     @property
     def unmapped(self) -> Array:
         """Points (n, 2) that the map lacks and that will stay for now; movers that stand are among them."""
-        standing = [
-            mover.rim for mover in self.movers if np.hypot(*mover.velocity_mps) < _STANDING_MPS
-        ]
+        standing = [mover.rim for mover in self.movers if np.hypot(*mover.velocity_mps) < _STANDING_MPS]
         return np.concatenate([self._unmapped.points, *standing])
 
     def _not_moving(self, points: Array) -> Array:
