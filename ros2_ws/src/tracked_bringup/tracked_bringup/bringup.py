@@ -95,7 +95,8 @@ class Bringup:
         settings = RunSettings(
             label=variant,
             duration_s=scenario.duration_s,
-            open_ended=not scenario.drives,
+            open_ended=not scenario.drives or scenario.waits_for_goals(variant),
+            stop_at_goal=not scenario.waits_for_goals(variant),
             faults=scenario.faults,
         )
         started_s = time.monotonic()

@@ -118,6 +118,11 @@ class Scenario(CheckedModel):
         """Whether anybody gives the layers something to follow."""
         return self.reference is not None or self.navigates
 
+    def waits_for_goals(self, variant: str) -> bool:
+        """Whether the robot navigates and is sent by others while it runs. Raises KeyError for an unknown variant."""
+        goals = self.parameters_of(variant).get("navigator", {}).get("goals", ())
+        return self.navigates and not (isinstance(goals, list | tuple) and len(goals) > 1)
+
     @property
     def baseline_name(self) -> str:
         """Variant the others are compared with: the one named, else the first."""

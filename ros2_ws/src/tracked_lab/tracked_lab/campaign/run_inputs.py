@@ -16,7 +16,7 @@ from tracked_report.run_record import RunRecord
 from tracked_report.scenario import Scenario
 from tracked_types.checked_yaml import CheckedModel
 
-FORMAT = 2
+FORMAT = 3
 """Of keys and stored rows; raised also where the same inputs give other figures. A store of another one is refused."""
 
 
