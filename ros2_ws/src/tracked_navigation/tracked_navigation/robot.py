@@ -137,7 +137,8 @@ class Robot:
         return True
 
     def _ask(self, kind: Any, goal: Any) -> Drive:
-        client, drives = self._clients[kind], []
+        client = self._clients[kind]
+        drives: list[Drive] = []
         if not self.spin_until(client.server_is_ready, _ANSWER_LIMIT_S):
             raise NavigatorUnreachable(f"no navigator answers within {_ANSWER_LIMIT_S:g} s")
         answer = client.send_goal_async(goal, feedback_callback=lambda message: [each.note(message) for each in drives])
