@@ -141,7 +141,12 @@ class Robot:
         drives: list[Drive] = []
         if not self.spin_until(client.server_is_ready, _ANSWER_LIMIT_S):
             raise NavigatorUnreachable(f"no navigator answers within {_ANSWER_LIMIT_S:g} s")
-        answer = client.send_goal_async(goal, feedback_callback=lambda message: [each.note(message) for each in drives])
+
+        def note(message: Any) -> None:
+            for drive in drives:
+                drive.note(message)
+
+        answer = client.send_goal_async(goal, feedback_callback=note)
         if not self.spin_until(answer.done, _ANSWER_LIMIT_S):
             raise NavigatorUnreachable(f"the navigator does not answer within {_ANSWER_LIMIT_S:g} s")
         handle = answer.result()

@@ -33,6 +33,7 @@ from tracked_types import (
 )
 
 Array = NDArray[np.float64]
+_HUGE = 1e5  # m, rad, m/s, rad/s: no robot is there, or so fast
 _TOUCHED_UPDATES = 5
 _ESCAPE_VIEW_M = 1.5
 _PARKING_DRIFT_M = 0.015
@@ -280,8 +281,11 @@ class Navigator:
     def _hindrance(self, odometry: Odometry, odom_in_map: Pose2 | None) -> str:
         """Why the robot must not drive now, in words; empty if it may."""
         twist = odometry.twist
-        if not np.isfinite([*odometry.pose.as_array(), twist.speed_mps, twist.yaw_rate_radps]).all():
+        numbers = np.array([*odometry.pose.as_array(), twist.speed_mps, twist.yaw_rate_radps])
+        if not np.isfinite(numbers).all():
             return "odometry is not finite"
+        if np.abs(numbers).max() > _HUGE:
+            return "odometry makes no sense"
         if odom_in_map is None:
             return "the robot does not know where it is"
         seen_ns = self._view.stamp_ns if self._view is not None else None

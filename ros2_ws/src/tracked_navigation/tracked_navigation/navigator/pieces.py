@@ -7,6 +7,8 @@ from tracked_navigation.band.rollout import as_trajectory
 from tracked_navigation.motion_limits import MotionLimits
 from tracked_types import Odometry, Pose2, Trajectory, Twist2, seconds_between, wrap_angle
 
+_PLAUSIBLE = 3.0  # times its limits
+
 
 def in_frame(trajectory: Trajectory, frame_id: str, pose: Pose2, *, from_ns: int | None = None) -> Trajectory:
     """The same way in the frame in which the trajectory's own is at ``pose``; stamped ``from_ns`` and without what was
@@ -29,9 +31,10 @@ def in_frame(trajectory: Trajectory, frame_id: str, pose: Pose2, *, from_ns: int
 
 
 def braked(odometry: Odometry, limits: MotionLimits) -> Trajectory:
-    """To rest from where the robot is, along the arc that it is on; where it stands if its velocity makes no sense."""
+    """To rest from where the robot is, along the arc that it is on; at once if its velocity makes no sense."""
     twist = odometry.twist
-    if not np.isfinite([twist.speed_mps, twist.yaw_rate_radps]).all():
+    fastest, swiftest = _PLAUSIBLE * limits.speed_max_mps, _PLAUSIBLE * limits.yaw_rate_radps
+    if not (abs(twist.speed_mps) <= fastest and abs(twist.yaw_rate_radps) <= swiftest):
         twist = Twist2(0.0, 0.0)
     _, along_the_arc = stops(odometry.pose, twist, limits)
     return as_trajectory(odometry.stamp_ns, odometry.frame_id, *along_the_arc)
