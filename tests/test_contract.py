@@ -4,6 +4,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
+from node_kit.rotations import yaw_from_quaternion
 from tests.support.contract import CONTRACT
 from tracked_bringup.node_table import load_node_table
 from tracked_description import load_robot
@@ -104,7 +105,10 @@ def test_every_odometry_has_its_transform(step_run):
     assert stamps(moving) == stamps(step_run.messages["odom"])
     for transform, odometry in zip(moving, step_run.messages["odom"], strict=True):
         assert transform.transform.translation.x == odometry.pose.pose.position.x
-        assert transform.transform.rotation == odometry.pose.pose.orientation
+        turned, tilted = transform.transform.rotation, odometry.pose.pose.orientation
+        heading = yaw_from_quaternion(tilted.x, tilted.y, tilted.z, tilted.w)
+        assert (turned.x, turned.y) == (0.0, 0.0), "base_footprint stays level; the odometry says how the base tilts"
+        assert yaw_from_quaternion(0.0, 0.0, turned.z, turned.w) == pytest.approx(heading, abs=1e-9)
 
 
 def test_the_frames_form_one_tree_below_odom(step_run):

@@ -66,6 +66,8 @@ ODOMETRY = Odometry(
     Twist2(0.3, -0.4),
     np.array([[0.02, 0.001, 0.0], [0.001, 0.03, -0.002], [0.0, -0.002, 0.01]]),
     np.array([[0.01, 0.001], [0.001, 0.02]]),
+    0.05,
+    -0.1,
 )
 TRAJECTORY = Trajectory(
     STAMP_NS,

@@ -13,6 +13,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from node_kit import conversions
 from tracked_types import (
     BodyState,
+    Mover,
     TrackSample,
     Twist2,
     VelocityCommand,
@@ -132,3 +133,14 @@ def test_a_driver_may_leave_belt_speeds_out(families):
     message = to_message(without)
     assert not len(message.velocity)
     assert from_message(message) == without
+
+
+def test_viewers_get_paths_and_movers_with_their_course():
+    path = conversions.path_to_message(np.array([[1.0, 2.0, 0.0], [2.0, 2.0, math.pi / 2.0]]), 5, "map")
+    assert path.header.frame_id == "map" and len(path.poses) == 2
+    assert path.poses[1].pose.orientation.z == pytest.approx(math.sin(math.pi / 4.0))
+    mover = Mover(7, 5, "map", np.array([1.0, 2.0]), np.array([0.5, 0.0]), np.eye(4), 0.25)
+    disc, course = conversions.movers_to_message([mover]).markers
+    assert (disc.id, disc.ns, disc.scale.x) == (7, "mover", 0.5)
+    assert (course.points[1].x, course.points[1].y) == (1.5, 2.0)
+    assert conversions.movers_to_message([]).markers == []
