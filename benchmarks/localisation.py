@@ -133,7 +133,7 @@ def is_right(found: Pose2, truth: Pose2) -> bool:
 
 
 def noticed_after_s(place: Pose2, seed: int) -> float:
-    """The localised robot is lifted to ``place``; time until it no longer says that it is localised."""
+    """The localised robot is lifted to ``place``; time until it says that it is lost, or knows that it is there."""
     drive = RoomsDrive(load_robot(), load_world("rooms"), seed, load_world("rooms").start(), [])
     follower = Follower(drive, saved_map(), search=False)
     follower.robot.set_pose(drive.simulator.start)
@@ -143,10 +143,11 @@ def noticed_after_s(place: Pose2, seed: int) -> float:
     drive.simulator.place_robot(place)
     lifted_ns = drive.simulator.stamp_ns
     for stamp_ns, pose in follower.run(_LONGEST_S):
-        if pose is None and stamp_ns > lifted_ns:
-            break
+        if stamp_ns > lifted_ns and (pose is None or is_right(pose, drive.truth[-1].pose)):
+            drive.close()
+            return (stamp_ns - lifted_ns) * 1e-9
     drive.close()
-    return (stamp_ns - lifted_ns) * 1e-9 if pose is None else _LONGEST_S
+    return _LONGEST_S
 
 
 def searched(everywhere: list[Pose2], seed: int) -> tuple[int, int, list[float]]:
