@@ -13,7 +13,7 @@ ROS_OWN = {"use_sim_time"}
 
 
 def test_the_promised_scenarios_are_there() -> None:
-    assert {"compare", "track", "idle"} <= set(scenario_names())
+    assert {"compare", "track", "idle", "map"} <= set(scenario_names())
 
 
 @pytest.mark.parametrize("name", scenario_names())
@@ -44,6 +44,19 @@ def test_changes_reach_the_scenario_and_the_nodes() -> None:
     assert scenario.reference is not None and scenario.reference.shape == "circle"
     assert scenario.reference.parameters["radius_m"] == 0.8
     assert scenario.parameters["ekf"] == {"some": 1.5}
+
+
+def test_files_that_are_not_there_are_taken_from_the_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    changes = ["map_server.map:=maps/rooms.yaml"]
+    scenario = load_scenario("map", changes, TABLE)
+    assert scenario.reference is not None and scenario.reference.file is not None
+    assert Path(scenario.reference.file).is_file() and Path(str(scenario.parameters["map_server"]["map"])).is_file()
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "maps" / "rooms.yaml").touch()
+    assert load_scenario("map", changes, TABLE).parameters["map_server"]["map"] == "maps/rooms.yaml"
+    missing = load_scenario("map", ["map_server.map:=none.yaml"], TABLE)
+    assert missing.parameters["map_server"]["map"] == "none.yaml"
 
 
 @pytest.mark.parametrize(

@@ -70,6 +70,11 @@ class Bringup:
         extra: dict[str, dict[str, Value]] = {
             "recorder": {"record_file": str(record), "meta_file": str(logs / "meta.json")}
         }
+        map_stem = self._folder / Path(scenario.world).stem
+        saved_map = self._folder / f"{map_stem.name}.yaml"
+        if "save_to" not in scenario.parameters_of(variant).get("mapper", {}):
+            extra["mapper"] = {"save_to": str(map_stem)}
+            saved_map.unlink(missing_ok=True)
         if "folder" not in scenario.parameters_of(variant).get("mcap_recorder", {}):
             bag = self._folder / f"{variant}_bag"
             shutil.rmtree(bag, ignore_errors=True)
@@ -107,6 +112,8 @@ class Bringup:
             monitor.close()
         seconds = time.monotonic() - started_s
         self._console.say(f"{variant}: {_outcome(state)}, in {seconds:.0f} s (ROS domain {domain})")
+        if plan.has("mapper") and "mapper" in extra:
+            self._console.say(f"map:     {saved_map}" if saved_map.exists() else f"no map was saved; logs: {logs}")
         if plan.has("recorder"):
             self._records[variant] = record
 

@@ -27,7 +27,8 @@ def load_scenario(name_or_path: str, changes: Sequence[str], table: NodeTable) -
     """A packaged scenario by name, or a file by path, with changes such as ``duration_s:=20``.
 
     A change names a key of the scenario (``reference.parameters.radius_m:=0.8``) or a parameter of a node
-    (``upper_nmpc.horizon:=12``); its value is read as YAML.
+    (``upper_nmpc.horizon:=12``); its value is read as YAML. A trajectory file or map that is not there is taken from
+    the package, if it has one of that name (``routes/rooms.csv``, ``maps/rooms.yaml``).
 
     Raises
     ------
@@ -37,7 +38,7 @@ def load_scenario(name_or_path: str, changes: Sequence[str], table: NodeTable) -
     content, called = _read(name_or_path)
     for change in changes:
         _apply(content, change, table)
-    scenario = check_content(Scenario, content, called)
+    scenario = _with_packaged_files(check_content(Scenario, content, called))
     _check_nodes(scenario, table, called)
     return scenario
 
@@ -103,6 +104,23 @@ def _apply(content: dict[str, Any], change: str, table: NodeTable) -> None:
             raise ArgumentError(f"{key}: {part} has no keys of its own")
         section = inner
     section[path[-1]] = value
+
+
+def _with_packaged_files(scenario: Scenario) -> Scenario:
+    update: dict[str, Any] = {}
+    reference, map_server = scenario.reference, scenario.parameters.get("map_server", {})
+    if reference is not None and reference.file is not None:
+        update["reference"] = reference.model_copy(update={"file": _found_file(reference.file)})
+    if isinstance(map_server.get("map"), str):
+        changed = {**map_server, "map": _found_file(str(map_server["map"]))}
+        update["parameters"] = {**scenario.parameters, "map_server": changed}
+    return scenario.model_copy(update=update)
+
+
+def _found_file(name: str) -> str:
+    """``name`` as it is, or the packaged file of that name if there is only that."""
+    packaged = Path(str(resources.files("tracked_bringup") / "data")) / name
+    return str(packaged) if name and not Path(name).exists() and packaged.is_file() else name
 
 
 def _check_nodes(scenario: Scenario, table: NodeTable, called: str) -> None:

@@ -60,3 +60,15 @@ class OccupancyMap:
         """Centres (n, 2) in the map's frame of cells (n, 2), each row and column."""
         along = (cells[:, ::-1].astype(np.float64) + 0.5) * self.resolution_m
         return self.origin.transform(along)
+
+    def known_part(self) -> "OccupancyMap":
+        """The smallest window with all known cells; the whole if none is known."""
+        known = self.occupancy != UNKNOWN
+        rows, columns = (np.flatnonzero(known.any(axis=axis)) for axis in (1, 0))
+        if not len(rows):
+            return self
+        low = np.array([[columns[0], rows[0]]]) * self.resolution_m
+        corner = self.origin.transform(low)[0]
+        origin = Pose2(float(corner[0]), float(corner[1]), self.origin.yaw_rad)
+        window = self.occupancy[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1].copy()
+        return OccupancyMap(self.frame_id, self.resolution_m, origin, window)

@@ -26,6 +26,14 @@ class LogOddsSettings:
     """How fast cells make up their mind."""
 
     resolution_m: float = setting(0.05, "edge of a cell", unit="m", low=0.005, high=1.0)
+    grid_shift_m: float = setting(
+        0.0,
+        "borders of cells lie so far from whole cells, along x and y; where walls lie on borders, noise decides which "
+        "of two cells they end up in",
+        unit="m",
+        low=-1.0,
+        high=1.0,
+    )
     hit: float = setting(0.9, "log-odds that a returned beam adds to the cell it ends in", low=0.01, high=10.0)
     miss: float = setting(0.4, "log-odds that a beam takes from each cell it crosses", low=0.01, high=10.0)
     most: float = setting(
@@ -48,9 +56,7 @@ class LogOddsGrid:
     def __init__(self, settings: LogOddsSettings, frame_id: str) -> None:
         self.settings = settings
         self.frame_id = frame_id
-        self._corner = np.zeros(
-            2, np.int64
-        )  # cell of the world grid at [0, 0]; the world grid has a corner at the origin
+        self._corner = np.zeros(2, np.int64)  # cell of the world grid at [0, 0]
         self._log_odds = np.zeros((0, 0), np.float32)
         self._seen = np.zeros((0, 0), np.bool_)
 
@@ -67,14 +73,14 @@ class LogOddsGrid:
         rays = self._clearing_ends(origin, np.vstack([hits, base.transform(points.misses)]))
         corners = np.vstack([origin[None], hits, rays])
         self._cover(corners)
-        cells = np.vstack([origin[None], rays]) / settings.resolution_m - self._corner
+        cells = self._in_cells(np.vstack([origin[None], rays])) - self._corner
         low = np.floor(cells.min(axis=0)).astype(int)
         size = np.floor(cells.max(axis=0)).astype(int) - low + 1
         crossed = np.zeros((size[1], size[0]), np.uint8)
         ends = np.rint((cells - low - 0.5) * (1 << _SHIFT)).astype(np.int32)
         lines = np.stack([np.broadcast_to(ends[0], (len(ends) - 1, 2)), ends[1:]], axis=1)
         cv2.polylines(crossed, list(lines), False, 1, 1, cv2.LINE_8, _SHIFT)
-        met = np.floor(hits / settings.resolution_m - self._corner).astype(int)
+        met = np.floor(self._in_cells(hits)).astype(int) - self._corner
         inside = ((met >= low) & (met < low + size)).all(axis=1)
         crossed[met[inside, 1] - low[1], met[inside, 0] - low[0]] = 0
         window = (slice(low[1], low[1] + size[1]), slice(low[0], low[0] + size[0]))
@@ -91,14 +97,18 @@ class LogOddsGrid:
         resolution = self.settings.resolution_m
         low, high = np.zeros(2, np.int64), np.array(self._log_odds.shape[::-1])
         if around is not None and math.isfinite(radius_m):
-            centre = np.floor(np.array([around.x_m, around.y_m]) / resolution).astype(np.int64) - self._corner
+            centre = np.floor(self._in_cells(np.array([around.x_m, around.y_m]))).astype(np.int64) - self._corner
             reach = math.ceil(radius_m / resolution)
             low, high = np.clip(centre - reach, 0, high), np.clip(centre + reach + 1, 0, high)
         window = (slice(low[1], high[1]), slice(low[0], high[0]))
         percent = np.rint(100.0 / (1.0 + np.exp(-self._log_odds[window]))).astype(np.int8)
         percent[~self._seen[window]] = UNKNOWN
-        corner = (self._corner + low) * resolution
+        corner = (self._corner + low) * resolution + self.settings.grid_shift_m
         return OccupancyMap(self.frame_id, resolution, Pose2(float(corner[0]), float(corner[1]), 0.0), percent)
+
+    def _in_cells(self, points: Array) -> Array:
+        """Places of the map's frame, in cells of the world grid."""
+        return (points - self.settings.grid_shift_m) / self.settings.resolution_m
 
     def _clearing_ends(self, origin: Array, ends: Array) -> Array:
         """Where beams stop to clear: at what they met, or at the clearing range."""
@@ -112,8 +122,8 @@ class LogOddsGrid:
         resolution = self.settings.resolution_m
         if not np.isfinite(points).all() or np.abs(points).max() > 1e6:
             raise MapTooLargeError("a scan has points beyond 1000 km or not finite")
-        low = np.floor(points.min(axis=0) / resolution).astype(np.int64)
-        high = np.floor(points.max(axis=0) / resolution).astype(np.int64) + 1
+        low = np.floor(self._in_cells(points.min(axis=0))).astype(np.int64)
+        high = np.floor(self._in_cells(points.max(axis=0))).astype(np.int64) + 1
         height, width = self._log_odds.shape
         now_low = self._corner if height else low
         now_high = self._corner + np.array([width, height]) if height else low

@@ -35,7 +35,7 @@ def scan_points(
     lidar: mounting in the base's frame; a lidar that hangs upside down is not meant. history: poses of the base in any
     frame that does not jump; without one, or where it does not reach, the robot is taken to have stood still.
     Beams that are NaN, -inf or outside the scan's limits say nothing and are left out. height_m: of the lidar over the
-    base; with it, and a history that knows how the robot was tilted, points are those seen from above, and beams that
+    floor; with it, and a history that knows how the robot was tilted, points are those seen from above, and beams that
     met the floor, or may have, are left out.
     """
     ranges = scan.ranges_m.astype(np.float64)

@@ -121,7 +121,7 @@ class MapperNode(StackNode):
         path = Path(stem).with_suffix("") if stem.endswith((".yaml", ".pgm")) else Path(stem)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            return True, f"map saved: {save_map(self.mapper.as_map(), path)}"
+            return True, f"map saved: {save_map(self.mapper.as_map().known_part(), path)}"
         except (MapFileError, OSError) as error:
             return False, f"map not saved: {error}"
 
