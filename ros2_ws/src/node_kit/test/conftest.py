@@ -36,6 +36,7 @@ from tracked_types import (
     ArbiterState,
     GoalReached,
     Grip,
+    GuardAction,
     ImuSample,
     LaserScan,
     OccupancyMap,
@@ -147,7 +148,9 @@ FAMILIES = {
         conversions.solver_status_from_message,
     ),
     "safety_state": (
-        ArbiterState(STAMP_NS, ArbiterMode.STOPPING, "nav", "nav silent for 0.2 s"),
+        ArbiterState(
+            STAMP_NS, ArbiterMode.STOPPING, "nav", "nav silent", GuardAction.SLOWING, "an obstacle is in the way", 0.25
+        ),
         SafetyState,
         conversions.safety_state_to_message,
         conversions.safety_state_from_message,

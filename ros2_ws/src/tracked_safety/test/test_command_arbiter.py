@@ -184,7 +184,7 @@ def test_emergency_stop_latches_until_it_is_let_go_and_released() -> None:
     assert arbiter.state.mode is ArbiterMode.EMERGENCY_STOP
     assert arbiter.offer("nav", command(61)) is None
     assert arbiter.release() is None
-    assert arbiter.release() == "no emergency stop is latched"
+    assert arbiter.release() == "no stop is latched"
     assert arbiter.offer("nav", command(62)) is not None
 
 

@@ -46,6 +46,13 @@ class CommandLimits(RobotLimits):
             speed, yaw_rate = current.speed_mps + share * speed_step, current.yaw_rate_radps + share * yaw_step
         return Twist2(speed, yaw_rate)
 
+    def braked(self, current: Twist2, target: Twist2, track_step_mps: float) -> Twist2:
+        """As far from ``current`` towards ``target`` as ``track_step_mps`` per belt permits, in one straight line."""
+        speed_step = target.speed_mps - current.speed_mps
+        yaw_step = target.yaw_rate_radps - current.yaw_rate_radps
+        share = _share(self._fastest_track(speed_step, yaw_step), track_step_mps)
+        return Twist2(current.speed_mps + share * speed_step, current.yaw_rate_radps + share * yaw_step)
+
     def _fastest_track(self, speed_mps: float, yaw_rate_radps: float) -> float:
         return abs(speed_mps) + self.half_gauge_m * abs(yaw_rate_radps)
 
