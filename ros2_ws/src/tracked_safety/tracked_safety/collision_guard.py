@@ -18,7 +18,6 @@ Array = NDArray[np.float64]
 _STEP_M = 0.025
 _STANDING_MPS, _LEAST_MPS = 1e-6, 0.005
 _TURN_RADIUS_M = 0.5  # of a turn on the spot, to measure it in metres at about the corners
-_CRAWL_WAY_M = 0.03  # more than stopping from a crawl takes
 _ALONGSIDE_M = 0.001
 _REST = Twist2(0.0, 0.0)
 
@@ -95,7 +94,9 @@ class CollisionGuard:
     def _beside(self, wanted: Twist2, pace: float, points: Array, attended: bool) -> Permitted:
         """Something is within the margin: nothing of it may come nearer, and the robot no faster than a crawl."""
         settings = self.settings
-        ways = np.linspace(0.0, _CRAWL_WAY_M, 4)
+        late_s = settings.reaction_s + settings.delay_s
+        stopping_m = settings.crawl_mps * late_s + settings.crawl_mps**2 / (2.0 * settings.braking_mps2)
+        ways = np.linspace(0.0, stopping_m, 4)
         gaps = settings.footprint.distance(_along(points, wanted, ways / pace))
         now = gaps[0]
         close, touched = now <= settings.margin_m, now <= 0.0

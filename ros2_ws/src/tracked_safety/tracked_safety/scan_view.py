@@ -33,7 +33,8 @@ class ScanView:
         self._settings = settings
         self._history = PoseHistory(length_s=_HISTORY_S)
         self._last: Odometry | None = None
-        self._scan: ScanPoints | None = None
+        self._scan: LaserScan | None = None
+        self._straightened: ScanPoints | None = None  # what the scan saw, once the odometry has reached its end
         self._stamp_ns = 0
         self._end_ns: int | None = None
         self._next_ns: int | None = None
@@ -50,7 +51,7 @@ class ScanView:
     def forget(self) -> None:
         """The clock has jumped: nothing that is known is of this time."""
         self._history.clear()
-        self._last = self._scan = self._end_ns = self._next_ns = None
+        self._last = self._scan = self._straightened = self._end_ns = self._next_ns = None
 
     def add_odometry(self, odometry: Odometry) -> None:
         """Take in how the robot moves; where the pose jumps, what was seen before can no longer be carried on."""
@@ -63,7 +64,7 @@ class ScanView:
             turned = abs(angle_difference(odometry.pose.yaw_rad, last.pose.yaw_rad))
             if moved > _JUMP_M + _JUMP_MPS * passed_s or turned > _JUMP_RAD + _JUMP_RADPS * passed_s:
                 self._history.clear()
-                self._scan = None
+                self._scan = self._straightened = None
         self._last = odometry
         self._history.add(odometry)
 
@@ -80,7 +81,7 @@ class ScanView:
         says = np.isposinf(ranges) | ((ranges >= scan.range_min_m) & (ranges <= scan.range_max_m))
         if not len(ranges) or says.mean() < self._settings.least_measured:
             raise ScanRefused("too few beams measured anything")
-        self._scan = scan_points(replace(scan, ranges_m=ranges), self._settings.lidar, self._history)
+        self._scan, self._straightened = replace(scan, ranges_m=ranges), None
         self._stamp_ns, self._end_ns = scan.stamp_ns, end_ns
         period_ns = to_nanoseconds(scan.scan_time_s)
         complete_ns = scan.stamp_ns + (period_ns if scan.time_increment_s > 0.0 else 0)
@@ -97,19 +98,28 @@ class ScanView:
         age_s = self.age_s(now_ns)
         if age_s > self._settings.scan_timeout_s:
             return f"the scan is older than {self._settings.scan_timeout_s:g} s"
-        poses = None
-        if self._scan is not None:
-            poses = self._history.at(np.array([self._scan.stamp_ns, now_ns], np.int64))
-        if self._scan is None or poses is None:
+        seen = self._seen()
+        poses = None if seen is None else self._history.at(np.array([seen.stamp_ns, now_ns], np.int64))
+        if seen is None or poses is None:
             return "the odometry does not reach back to the scan"
         (x, y, yaw), (now_x, now_y, now_yaw) = poses.tolist()
-        return _seen_from(self._scan.hits, (x - now_x, y - now_y), yaw, now_yaw)
+        return _seen_from(seen.hits, (x - now_x, y - now_y), yaw, now_yaw)
+
+    def _seen(self) -> ScanPoints | None:
+        """What the scan saw. Until the odometry has reached its end, this is made up from how the robot moved."""
+        if self._straightened is not None or self._scan is None:
+            return self._straightened
+        seen = scan_points(self._scan, self._settings.lidar, self._history)
+        newest_ns = self._history.newest_ns
+        if newest_ns is not None and self._end_ns is not None and newest_ns >= self._end_ns:
+            self._straightened = seen
+        return seen
 
     def _check_time(self, stamp_ns: int, end_ns: int) -> None:
         now_ns = None if self._last is None else self._last.stamp_ns
         if now_ns is not None:
             if self._end_ns is not None and self._stamp_ns > now_ns + _FUTURE_NS:
-                self._scan = self._end_ns = self._next_ns = None  # taken before there was a clock to judge it by
+                self._scan = self._straightened = self._end_ns = self._next_ns = None  # came before there was a clock
             if stamp_ns > now_ns + _FUTURE_NS:
                 raise ScanRefused("stamp in the future")
             if seconds_between(now_ns, end_ns) > self._settings.scan_timeout_s:
