@@ -21,7 +21,7 @@ from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu, JointState
+from sensor_msgs.msg import Imu, JointState, Joy
 from sensor_msgs.msg import LaserScan as LaserScanMessage
 from std_msgs.msg import Bool, String
 from tracked_interfaces.msg import GoalReached as GoalReachedMessage
@@ -38,6 +38,7 @@ from tracked_types import (
     Grip,
     GuardAction,
     ImuSample,
+    Joystick,
     LaserScan,
     OccupancyMap,
     Odometry,
@@ -140,6 +141,12 @@ FAMILIES = {
     ),
     "twist": (Twist2(0.3, -0.4), Twist, conversions.twist_to_message, conversions.twist_from_message),
     "scan": (SCAN, LaserScanMessage, conversions.scan_to_message, conversions.scan_from_message),
+    "joystick": (
+        Joystick(STAMP_NS, (0.5, -1.0), (True, False, True)),
+        Joy,
+        conversions.joystick_to_message,
+        conversions.joystick_from_message,
+    ),
     "clock": (STAMP_NS, Clock, conversions.clock_to_message, conversions.clock_from_message),
     "solver_status": (
         SolverStatus(STAMP_NS, "lower", True, "", 4, 0.25, 1e-4),

@@ -11,6 +11,7 @@ from tracked_types.body_state import BodyState
 from tracked_types.command import VelocityCommand
 from tracked_types.goal import GoalReached
 from tracked_types.imu import ImuSample
+from tracked_types.joystick import Joystick
 from tracked_types.mover import Mover
 from tracked_types.occupancy_map import FREE, OCCUPIED, OCCUPIED_PERCENT, UNKNOWN, OccupancyMap
 from tracked_types.odometry import Odometry
@@ -50,6 +51,7 @@ __all__ = [
     "Grip",
     "GuardAction",
     "ImuSample",
+    "Joystick",
     "LaserScan",
     "Mover",
     "OccupancyMap",

@@ -16,6 +16,7 @@ from node_kit.conversions.headers import fill_header, fill_stamp, header_from_me
 from node_kit.conversions.imu import imu_from_message, imu_to_message
 from node_kit.conversions.movers import movers_to_message
 from node_kit.conversions.occupancy_grid import occupancy_grid_from_message, occupancy_grid_to_message
+from node_kit.conversions.joystick import joystick_from_message, joystick_to_message
 from node_kit.conversions.odometry import odometry_from_message, odometry_to_message
 from node_kit.conversions.path import path_to_message
 from node_kit.conversions.pose_sample import pose_sample_from_message, pose_sample_to_message
@@ -49,6 +50,8 @@ __all__ = [
     "movers_to_message",
     "occupancy_grid_from_message",
     "occupancy_grid_to_message",
+    "joystick_from_message",
+    "joystick_to_message",
     "odometry_from_message",
     "odometry_to_message",
     "path_to_message",
