@@ -47,11 +47,16 @@ class CommandLimits(RobotLimits):
         return Twist2(speed, yaw_rate)
 
     def braked(self, current: Twist2, target: Twist2, track_step_mps: float) -> Twist2:
-        """As far from ``current`` towards ``target`` as ``track_step_mps`` per belt permits, in one straight line."""
-        speed_step = target.speed_mps - current.speed_mps
-        yaw_step = target.yaw_rate_radps - current.yaw_rate_radps
-        share = _share(self._fastest_track(speed_step, yaw_step), track_step_mps)
-        return Twist2(current.speed_mps + share * speed_step, current.yaw_rate_radps + share * yaw_step)
+        """As far from ``current`` towards ``target`` as ``track_step_mps`` takes each belt by itself."""
+        left, right = (
+            start + min(max(end - start, -track_step_mps), track_step_mps)
+            for start, end in zip(self._belts(current), self._belts(target), strict=True)
+        )
+        return Twist2(0.5 * (left + right), 0.5 * (right - left) / self.half_gauge_m)
+
+    def _belts(self, twist: Twist2) -> tuple[float, float]:
+        turning = self.half_gauge_m * twist.yaw_rate_radps
+        return twist.speed_mps - turning, twist.speed_mps + turning
 
     def _fastest_track(self, speed_mps: float, yaw_rate_radps: float) -> float:
         return abs(speed_mps) + self.half_gauge_m * abs(yaw_rate_radps)
