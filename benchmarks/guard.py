@@ -121,15 +121,13 @@ class Track:
             left_m = min(left_m, float(self._footprint.distance(at.inverse().transform(outline)).min()))
             if left_m <= 0.0 and contact_mps is None:
                 contact_mps = _pace(now)
-                break
+                end_ns = simulator.stamp_ns + round(0.25 * 1e9)  # by then a scan shows it, whatever is hit
         self._world.delete(THING)
         first = next((scan for scan in self._scans[scans:] if (scan.ranges_m < SEEN_M).any()), None)
         slower = next((sent for sent in self._sent[count:] if _pace(sent.twist) < _pace(steady) - 1e-6), None)
         known_s = math.inf if first is None else seconds_between(first.stamp_ns, thrown_ns) + first.scan_time_s
         reaction_s = math.inf
-        if contact_mps is not None and slower is None and known_s > seconds_between(simulator.stamp_ns, thrown_ns):
-            reaction_s = 0.0  # hit before any scan could show it
-        elif first is not None and slower is not None:
+        if first is not None and slower is not None:
             reaction_s = seconds_between(slower.stamp_ns, first.stamp_ns)
         bound_mps, nearer_mps = (
             _slowest(self._robot, steady, moving, way_m - short_m, known_s) for short_m in (0.0, NEARER_M)

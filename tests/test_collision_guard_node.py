@@ -27,7 +27,7 @@ ROBOT = load_robot()
 GUARD = GuardSettings.from_robot(ROBOT)
 FRONT_M = GUARD.footprint.front_m
 CONTROL = PeriodGrid(30)
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+LATCHED = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 START_LIMIT_S = 60.0
 FAST = 0.5
 REACTION_S = 0.12
