@@ -27,7 +27,7 @@ class Arbiter:
         self.probe = probe
         self.sent = probe.collect(output, "cmd_vel", 1000)
         self.states = probe.collect(SafetyState, "safety/state", LATCHED)
-        self.process = start_node(*NODE, *arguments)
+        self.process = start_node(*NODE, "--ros-args", "-p", "collision_guard:=false", *arguments)
         self.sources = {
             name: probe.node.create_publisher(TwistStamped, f"cmd_vel_{name}", 10) for name in ("nav", "teleop")
         }
@@ -80,7 +80,7 @@ def stamp_ns(message):
 
 
 def test_commands_pass_with_their_stamps_and_silence_ramps_to_zero(probe, start_node):
-    arbiter = Arbiter(probe, start_node, "--ros-args", "-p", "lock_step:=true")
+    arbiter = Arbiter(probe, start_node, "-p", "lock_step:=true")
     arbiter.drive(0, 30)
     assert [stamp_ns(message) for message in arbiter.sent] == [CONTROL.stamp_ns(index) for index in range(30)]
     assert arbiter.sent[-1].twist.linear.x == 0.3
@@ -98,7 +98,7 @@ def test_commands_pass_with_their_stamps_and_silence_ramps_to_zero(probe, start_
 
 
 def test_teleop_goes_before_navigation_and_nonsense_does_not_go_at_all(probe, start_node):
-    arbiter = Arbiter(probe, start_node, "--ros-args", "-p", "lock_step:=true")
+    arbiter = Arbiter(probe, start_node, "-p", "lock_step:=true")
     arbiter.drive(0, 3)
     assert arbiter.answer("teleop", 3, 0.0).twist.linear.x < 0.3
     count = len(arbiter.sent)
@@ -111,7 +111,7 @@ def test_teleop_goes_before_navigation_and_nonsense_does_not_go_at_all(probe, st
 
 def test_a_refused_command_is_reported_with_its_reason_and_sender(probe, start_node):
     diagnostics = probe.collect(DiagnosticArray, "diagnostics")
-    arbiter = Arbiter(probe, start_node, "--ros-args", "-p", "lock_step:=true")
+    arbiter = Arbiter(probe, start_node, "-p", "lock_step:=true")
     words = "cmd_vel_teleop (beyond 1.5 times a limit, from /test_probe)"
 
     def told():
@@ -124,7 +124,7 @@ def test_a_refused_command_is_reported_with_its_reason_and_sender(probe, start_n
 
 
 def test_emergency_stop_latches_until_released_by_service(probe, start_node):
-    arbiter = Arbiter(probe, start_node, "--ros-args", "-p", "lock_step:=true")
+    arbiter = Arbiter(probe, start_node, "-p", "lock_step:=true")
     arbiter.drive(0, 10)
     arbiter.e_stop.publish(Bool(data=True))
     probe.wait_until(lambda: arbiter.state() == SafetyState.EMERGENCY_STOP, what="the emergency stop")
@@ -149,7 +149,7 @@ def test_without_odometry_the_wall_clock_stops_the_robot(probe, start_node):
 
 
 def test_a_termination_leaves_the_robot_at_zero(probe, start_node):
-    arbiter = Arbiter(probe, start_node, "--ros-args", "-p", "lock_step:=true")
+    arbiter = Arbiter(probe, start_node, "-p", "lock_step:=true")
     arbiter.drive(0, 20)
     count = len(arbiter.sent)
     assert arbiter.process.stop(signal.SIGTERM) == 0
@@ -160,6 +160,6 @@ def test_a_termination_leaves_the_robot_at_zero(probe, start_node):
 
 def test_a_base_may_get_plain_twists(probe, start_node):
     stamped = probe.collect(TwistStamped, "cmd_vel_stamped")
-    arbiter = Arbiter(probe, start_node, "--ros-args", "-p", "lock_step:=true", "-p", "plain_twist:=true", output=Twist)
+    arbiter = Arbiter(probe, start_node, "-p", "lock_step:=true", "-p", "plain_twist:=true", output=Twist)
     assert arbiter.answer("nav", 0, 0.02).linear.x == 0.02
     probe.wait_until(lambda: stamped, what="the stamped copy")

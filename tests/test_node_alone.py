@@ -1,6 +1,8 @@
 """Every node of the table in a process of its own: parameters as declared, and a polite end."""
 
+import pty
 import signal
+import subprocess
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
@@ -21,6 +23,7 @@ TABLE = load_node_table().nodes
 CLASSES = {name: load_class(entry.node_class) for name, entry in TABLE.items()}
 NODES = pytest.mark.parametrize("name", TABLE)
 NEEDED = {"record_file", "folder", "bag"}
+TERMINAL = pty.openpty()[1]
 START_LIMIT_S = 60.0  # where nothing is compiled yet, or everything else runs at the same time
 
 
@@ -31,6 +34,7 @@ def started(names, domain, folder, parameters):
             (TABLE[name].package, TABLE[name].executable, "--ros-args", *parameters(name)),
             folder / f"{name}.log",
             {"ROS_DOMAIN_ID": str(domain)},
+            TERMINAL if name == "teleop_keyboard" else subprocess.DEVNULL,
         )
         for name in names
     }

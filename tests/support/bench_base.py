@@ -1,4 +1,7 @@
-"""A base on the bench: it answers cmd_vel perfectly, has no physics, and goes on when its odometry has come back."""
+"""A base on the bench: it answers cmd_vel perfectly, has no physics, and goes on when its odometry has come back.
+
+Its lidar sees nothing far and wide.
+"""
 
 from typing import Any
 
@@ -6,11 +9,12 @@ import numpy as np
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu, JointState
+from sensor_msgs.msg import Imu, JointState, LaserScan
 
-from node_kit.conversions import clock_to_message, imu_to_message, tracks_to_message
+from node_kit.conversions import clock_to_message, imu_to_message, scan_to_message, tracks_to_message
 from tests.support.probe import Probe
 from tracked_description import Robot
+from tracked_safety.bench_inputs import BEAMS, scan
 from tracked_types import ImuSample, PeriodGrid, TrackSample
 
 GRAVITY_MPS2 = 9.80665
@@ -19,7 +23,7 @@ ODOMETRY_LIMIT_S = 30.0
 
 
 class BenchBase:
-    """Publishes clock, imu/data and joint_states of a robot that moves as it is told."""
+    """Publishes clock, imu/data, joint_states and scan of a robot that moves as it is told."""
 
     def __init__(self, probe: Probe, robot: Robot) -> None:
         self._probe = probe
@@ -33,7 +37,7 @@ class BenchBase:
         self.commands = probe.collect(TwistStamped, "cmd_vel", 100)
         create = probe.node.create_publisher
         self._clock, self._imu = create(Clock, "clock", 10), create(Imu, "imu/data", 10)
-        self._joints = create(JointState, "joint_states", 10)
+        self._joints, self._scan = create(JointState, "joint_states", 10), create(LaserScan, "scan", 10)
 
     @property
     def stamp_ns(self) -> int:
@@ -80,6 +84,10 @@ class BenchBase:
         rate = np.array([0.0, 0.0, self._yaw_rate])
         imu = ImuSample(self.stamp_ns, self._robot.frames.imu, rate, force, self._covariance, self._covariance)
         self._imu.publish(imu_to_message(imu))
+        ticks_per_scan = self._robot.imu.rate_hz // self._robot.lidar.rate_hz
+        if self.tick % ticks_per_scan == 0 and self.tick >= ticks_per_scan:
+            began_ns = self._grid.stamp_ns(self.tick - ticks_per_scan)
+            self._scan.publish(scan_to_message(scan(began_ns, np.full(BEAMS, np.inf))))
         if self.tick % 2 == 0:
             tracks = TrackSample(self.stamp_ns, *self._travel, *speeds)
             self._clock.publish(clock_to_message(self.stamp_ns))

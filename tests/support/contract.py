@@ -8,7 +8,7 @@ from tracked_bringup.node_table import load_node_table
 
 PAGE = ROOT / "docs" / "topics.md"
 EVERY_NODE = "every node"
-"""In the place of names: all of the node table."""
+"""In the place of names: all of the node table that take part without being named."""
 ONLOOKERS = frozenset({"recorder", "mcap_recorder", "replay", "bringup"})
 
 
@@ -52,7 +52,7 @@ def _row(cells: list[str]) -> Row:
 
 def _names(cell: str) -> frozenset[str]:
     if cell == EVERY_NODE:
-        return frozenset(load_node_table().nodes) - ONLOOKERS
+        return frozenset(name for name, entry in load_node_table().nodes.items() if not entry.optional) - ONLOOKERS
     return frozenset(name.strip() for name in cell.split(",") if name.strip())
 
 

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-BAD_NUMBERS = (math.nan, math.inf, -math.inf, 1e308)
+HUGE_NUMBER, HUGE_SINGLE = 1e308, 3e38
+BAD_NUMBERS = (math.nan, math.inf, -math.inf, HUGE_NUMBER)
 HUGE = 100_000  # elements of a sequence, characters of a text
 STAMPS = ((0, 0), (2**31 - 1, 0), (-1, 0), (1, 4_000_000_000))  # long ago, in 2038, before the epoch, no fraction
 
@@ -17,8 +18,10 @@ def malformed(good: Any) -> Iterator[Any]:
     """Copies of ``good`` with one thing wrong in each; first a message that nobody has filled in."""
     yield type(good)()
     for path, value in _leaves(good):
+        largest = HUGE_SINGLE if _kind(good, path) == "float" else math.inf
         for bad in _bad_values(value):
-            yield _with(good, path, bad)
+            is_huge = isinstance(bad, float) and bad == HUGE_NUMBER
+            yield _with(good, path, min(bad, largest) if is_huge else bad)
     for path, _ in _stamps(good):
         for sec, nanosec in STAMPS:
             yield _with(_with(good, (*path, "sec"), sec), (*path, "nanosec"), nanosec)
@@ -26,6 +29,12 @@ def malformed(good: Any) -> Iterator[Any]:
 
 def _fields(message: Any) -> list[str]:
     return list(message.get_fields_and_field_types())
+
+
+def _kind(message: Any, path: tuple[str, ...]) -> str:
+    for name in path[:-1]:
+        message = getattr(message, name)
+    return str(message.get_fields_and_field_types()[path[-1]])
 
 
 def _leaves(message: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:

@@ -12,15 +12,20 @@ END_LIMIT_S = 15.0
 
 
 class NodeProcess:
-    """Starts an executable, keeps its output in a file, and ends it with everything it started."""
+    """Starts an executable, keeps its output in a file, and ends it with everything it started.
 
-    def __init__(self, arguments: tuple[str, ...], log: Path, environment: Mapping[str, str]) -> None:
+    stdin: file number that it reads from; nothing by default.
+    """
+
+    def __init__(
+        self, arguments: tuple[str, ...], log: Path, environment: Mapping[str, str], stdin: int = subprocess.DEVNULL
+    ) -> None:
         self.arguments = arguments
         self._log = log
         with log.open("wb") as sink:
             self._process = subprocess.Popen(
                 [str(ROOT / "run"), *arguments],
-                stdin=subprocess.DEVNULL,
+                stdin=stdin,
                 stdout=sink,
                 stderr=subprocess.STDOUT,
                 env={**os.environ, **environment},

@@ -17,8 +17,8 @@ from tracked_description import load_robot
 from tracked_localization.mapping.log_odds_grid import LogOddsGrid, LogOddsSettings
 from tracked_localization.mapping.map_files import save_map
 from tracked_localization.matching.line_world import ROOM
-from tracked_localization.matching.scan_points import scan_points
 from tracked_types import OccupancyMap, Odometry, PeriodGrid, Pose2, Twist2
+from tracked_types.scan_points import scan_points
 
 ROBOT = load_robot()
 LIDAR = Pose2(ROBOT.lidar.xyz_m[0], ROBOT.lidar.xyz_m[1], ROBOT.lidar.rpy_rad[2])

@@ -17,5 +17,11 @@ setup(
     maintainer_email="maintainers@tracked-stack.invalid",
     description="The last node before the base: one command source at a time, limits, watchdog, e-stop.",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["command_arbiter = tracked_safety.nodes.command_arbiter:main"]},
+    entry_points={
+        "console_scripts": [
+            "command_arbiter = tracked_safety.nodes.command_arbiter:main",
+            "teleop_joy = tracked_safety.nodes.teleop_joy:main",
+            "teleop_keyboard = tracked_safety.nodes.teleop_keyboard:main",
+        ]
+    },
 )

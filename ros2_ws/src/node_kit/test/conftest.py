@@ -21,7 +21,7 @@ from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu, JointState
+from sensor_msgs.msg import Imu, JointState, Joy
 from sensor_msgs.msg import LaserScan as LaserScanMessage
 from std_msgs.msg import Bool, String
 from tracked_interfaces.msg import GoalReached as GoalReachedMessage
@@ -36,7 +36,9 @@ from tracked_types import (
     ArbiterState,
     GoalReached,
     Grip,
+    GuardAction,
     ImuSample,
+    Joystick,
     LaserScan,
     OccupancyMap,
     Odometry,
@@ -141,6 +143,12 @@ FAMILIES = {
     ),
     "twist": (Twist2(0.3, -0.4), Twist, conversions.twist_to_message, conversions.twist_from_message),
     "scan": (SCAN, LaserScanMessage, conversions.scan_to_message, conversions.scan_from_message),
+    "joystick": (
+        Joystick(STAMP_NS, (0.5, -1.0), (True, False, True)),
+        Joy,
+        conversions.joystick_to_message,
+        conversions.joystick_from_message,
+    ),
     "clock": (STAMP_NS, Clock, conversions.clock_to_message, conversions.clock_from_message),
     "solver_status": (
         SolverStatus(STAMP_NS, "lower", True, "", 4, 0.25, 1e-4),
@@ -149,7 +157,9 @@ FAMILIES = {
         conversions.solver_status_from_message,
     ),
     "safety_state": (
-        ArbiterState(STAMP_NS, ArbiterMode.STOPPING, "nav", "nav silent for 0.2 s"),
+        ArbiterState(
+            STAMP_NS, ArbiterMode.STOPPING, "nav", "nav silent", GuardAction.SLOWING, "an obstacle is in the way", 0.25
+        ),
         SafetyState,
         conversions.safety_state_to_message,
         conversions.safety_state_from_message,

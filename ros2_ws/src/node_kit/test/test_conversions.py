@@ -34,6 +34,7 @@ FAMILIES = (
     "command",
     "twist",
     "scan",
+    "joystick",
     "clock",
     "safety_state",
     "solver_status",

@@ -28,6 +28,7 @@ FAMILIES = (
     "command",
     "twist",
     "scan",
+    "joystick",
     "clock",
     "solver_status",
     "goal_reached",
@@ -79,6 +80,7 @@ def random_value(kind, draw):
     values = [random_value(kind.value_type, draw) for _ in range(draw(st.integers(0, 4)))]
     if isinstance(kind.value_type, BasicType):
         return array(TYPE_CODES[kind.value_type.typename], values)
+        return array({"double": "d", "float": "f", "int32": "i"}[kind.value_type.typename], values)
     return values
 
 
@@ -177,7 +179,14 @@ def spoiled(families, family, *path_and_value):
         ("trajectory", ("yaw", 1, math.nan), "not finite: yaw"),
         ("command", ("twist", "linear", "x", math.nan), "not finite: linear.x"),
         ("command", ("twist", "angular", "y", -math.inf), "not finite: angular.y"),
+        ("joystick", ("axes", array("f", [0.0, math.nan])), "not finite: axes"),
+        ("joystick", ("axes", array("f", [3.0])), "beyond -1 to 1: axes"),
+        ("joystick", ("buttons", array("i", [0] * 1000)), "more than 256 axes or buttons"),
         ("scan", ("angle_increment", 0.0), "zero: angle_increment"),
+        ("scan", ("angle_min", 1e9), "more than two turns: angle_min"),
+        ("scan", ("angle_max", -1e9), "more than two turns: angle_max"),
+        ("scan", ("time_increment", 1e9), "a revolution of more than 60 s"),
+        ("scan", ("scan_time", 61.0), "a revolution of more than 60 s"),
         ("scan", ("ranges", array("f", [1.0])), "size of ranges disagrees with the angles"),
         ("scan", ("ranges", array("f", [])), "size of ranges is 0, expected 1 to 1000000"),
         ("scan", ("range_max", math.nan), "range_max does not exceed range_min"),

@@ -21,6 +21,7 @@ _SIMULATED: dict[str, dict[str, Value]] = {
     "ekf": {"reliable_sensors": True},
     "mapper": {"reliable_sensors": True},
     "localiser": {"reliable_sensors": True},
+    "command_arbiter": {"reliable_sensors": True},
     "recorder": {"reliable_sensors": True},
     "slip_witness": {"reliable_sensors": True},
 }

@@ -10,7 +10,7 @@ from tracked_lab.tuning import NodeParameters, check_known, tuning_of
 from tracked_localization import Estimate, OdometryFilter, OdometryFilterSettings, SlipSettings
 from tracked_navigation import PlayerOutput, PlayerSettings, ReferenceSettings, TrajectoryPlayer, make_reference
 from tracked_navigation.shape_settings import ShapeSettings
-from tracked_safety import ArbiterSettings, CommandArbiter, CommandRefused
+from tracked_safety import ArbiterSettings, CommandArbiter, CommandRefused, GuardSettings
 from tracked_types import Slip, VelocityCommand
 
 
@@ -59,8 +59,9 @@ class Stack:
         self.steering = steering or NmpcLayers.from_parameters(robot, parameters)
         self._send_reference = send_reference
         arbiter = parameters.get("command_arbiter", {})
-        check_known("command_arbiter", arbiter, (ArbiterSettings,))
-        self.arbiter = CommandArbiter(ArbiterSettings.from_robot(robot, **arbiter))
+        # Nothing here has a lidar, and the floors have no walls: no guard, whatever it would be set to.
+        check_known("command_arbiter", arbiter, (ArbiterSettings, GuardSettings), "collision_guard")
+        self.arbiter = CommandArbiter(ArbiterSettings.from_robot(robot, **tuning_of(ArbiterSettings, arbiter)))
 
     def react(self, estimate: Estimate, slip: Slip | None = None) -> Reaction:
         """Everything that happens because of one estimate; ``slip`` replaces that of the estimate."""

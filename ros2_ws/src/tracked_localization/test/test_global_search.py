@@ -5,9 +5,9 @@ from tracked_localization.localisation.global_search import SearchSettings, find
 from tracked_localization.mapping.log_odds_grid import LogOddsGrid, LogOddsSettings
 from tracked_localization.matching.line_world import ROOM, LineWorld
 from tracked_localization.matching.scan_matcher import MatchSettings
-from tracked_localization.matching.scan_points import scan_points
 from tracked_localization.matching.wall_field import WallField
 from tracked_types import OccupancyMap, Pose2, angle_difference
+from tracked_types.scan_points import scan_points
 
 LIDAR = Pose2(0.0, 0.0, 0.0)
 SQUARE = LineWorld(

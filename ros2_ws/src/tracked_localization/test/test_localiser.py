@@ -5,9 +5,9 @@ from tracked_localization.localisation.localiser import Localiser, LocaliserSett
 from tracked_localization.mapping.log_odds_grid import LogOddsGrid, LogOddsSettings
 from tracked_localization.matching.line_world import CORRIDOR, ROOM
 from tracked_localization.matching.scan_matcher import MatchSettings
-from tracked_localization.matching.scan_points import ScanPoints, scan_points
 from tracked_localization.matching.wall_field import WallField
 from tracked_types import Pose2, angle_difference
+from tracked_types.scan_points import ScanPoints, scan_points
 
 LIDAR, PERIOD_NS = Pose2(0.0, 0.0, 0.0), 10**8
 NARROW = np.diag([1e-4, 1e-4, 1e-4])

@@ -3,8 +3,8 @@ import pytest
 
 from tracked_localization.mapping.log_odds_grid import LogOddsGrid, LogOddsSettings, MapTooLargeError
 from tracked_localization.matching.line_world import ROOM, LineWorld
-from tracked_localization.matching.scan_points import ScanPoints, scan_points
 from tracked_types import Pose2
+from tracked_types.scan_points import ScanPoints, scan_points
 
 LIDAR = Pose2(0.0, 0.0, 0.0)
 NOWHERE = np.zeros((0, 2))

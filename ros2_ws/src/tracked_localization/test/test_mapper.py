@@ -5,8 +5,8 @@ from tracked_localization.mapping.log_odds_grid import LogOddsSettings
 from tracked_localization.mapping.mapper import Mapper, MapperSettings
 from tracked_localization.matching.line_world import ROOM, LineWorld
 from tracked_localization.matching.scan_matcher import MatchSettings
-from tracked_localization.matching.scan_points import ScanPoints, scan_points
 from tracked_types import Pose2, angle_difference
+from tracked_types.scan_points import ScanPoints, scan_points
 
 LIDAR = Pose2(0.0, 0.0, 0.0)
 

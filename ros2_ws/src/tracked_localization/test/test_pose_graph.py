@@ -10,13 +10,13 @@ from tracked_localization.mapping.log_odds_grid import LogOddsSettings
 from tracked_localization.mapping.mapper import MapperSettings
 from tracked_localization.matching.line_world import LineWorld
 from tracked_localization.matching.scan_matcher import MatchSettings
-from tracked_localization.matching.scan_points import ScanPoints, scan_points
 from tracked_localization.pose_graph.graph_solver import fitted, misfit
 from tracked_localization.pose_graph.key_scan import Edge
 from tracked_localization.pose_graph.loop_closer import LoopCloser
 from tracked_localization.pose_graph.loop_closing_mapper import LoopClosingMapper
 from tracked_localization.pose_graph.settings import LoopSettings
-from tracked_types import Pose2, angle_difference
+from tracked_types import Pose2, ScanPoints, angle_difference
+from tracked_types.scan_points import scan_points
 
 HERE = Pose2(0.0, 0.0, 0.0)
 SURE, UNSURE = np.diag([1e4, 1e4, 1e5]), np.diag([400.0, 400.0, 4e3])

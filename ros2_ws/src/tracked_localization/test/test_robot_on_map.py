@@ -9,8 +9,8 @@ from tracked_localization.mapping.log_odds_grid import LogOddsGrid, LogOddsSetti
 from tracked_localization.matching.line_world import ROOM
 from tracked_localization.matching.scan_alignment import AlignedScan
 from tracked_localization.matching.scan_matcher import MatchSettings
-from tracked_localization.matching.scan_points import scan_points
 from tracked_types import FREE, UNKNOWN, OccupancyMap, Pose2
+from tracked_types.scan_points import scan_points
 
 LIDAR, PERIOD_NS, TRUTH = Pose2(0.0, 0.0, 0.0), 10**8, Pose2(1.0, 0.5, 0.3)
 

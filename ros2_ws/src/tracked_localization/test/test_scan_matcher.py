@@ -6,9 +6,9 @@ from hypothesis import strategies as st
 from tracked_localization.mapping.log_odds_grid import LogOddsGrid, LogOddsSettings
 from tracked_localization.matching.line_world import CORRIDOR, ROOM
 from tracked_localization.matching.scan_matcher import MatchSettings, match_scan
-from tracked_localization.matching.scan_points import scan_points
 from tracked_localization.matching.wall_field import WallField
 from tracked_types import OccupancyMap, Pose2, angle_difference
+from tracked_types.scan_points import scan_points
 
 LIDAR, SETTINGS = Pose2(0.0, 0.0, 0.0), MatchSettings()
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from tracked_localization.matching.line_world import ROOM
-from tracked_localization.matching.pose_history import PoseHistory
-from tracked_localization.matching.scan_points import scan_points
 from tracked_types import Odometry, Pose2, Twist2, to_nanoseconds
+from tracked_types.pose_history import PoseHistory
+from tracked_types.scan_points import scan_points
 
 STILL = Pose2(0.0, 0.0, 0.0)
 

@@ -3,10 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from tracked_localization.matching.pose_history import PoseHistory
-from tracked_localization.matching.scan_points import scan_points
 from tracked_localization.tilt import Tilt
-from tracked_types import ImuSample, LaserScan, Odometry, Pose2, Twist2
+from tracked_types import ImuSample, LaserScan, Odometry, Pose2, PoseHistory, Twist2
+from tracked_types.scan_points import scan_points
 
 PERIOD_NS = 1_000_000_000 // 120
 GRAVITY = 9.80665

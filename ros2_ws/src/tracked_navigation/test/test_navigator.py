@@ -8,12 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracked_description import load_robot
-from tracked_localization.matching.scan_points import ScanPoints
 from tracked_navigation.band import BandSettings, TimedElasticBand
 from tracked_navigation.movers.mover_tracker import MoverSettings
 from tracked_navigation.navigator import Navigator, NavigatorSettings, Outcome
 from tracked_navigation.planning.costmap import CostSettings
-from tracked_types import FREE, OCCUPIED, OccupancyMap, Odometry, Pose2, Trajectory, Twist2
+from tracked_types import FREE, OCCUPIED, OccupancyMap, Odometry, Pose2, ScanPoints, Trajectory, Twist2
 
 ROBOT = load_robot()
 BAND = TimedElasticBand(BandSettings.from_robot(ROBOT))

@@ -184,7 +184,7 @@ def test_emergency_stop_latches_until_it_is_let_go_and_released() -> None:
     assert arbiter.state.mode is ArbiterMode.EMERGENCY_STOP
     assert arbiter.offer("nav", command(61)) is None
     assert arbiter.release() is None
-    assert arbiter.release() == "no emergency stop is latched"
+    assert arbiter.release() == "no stop is latched"
     assert arbiter.offer("nav", command(62)) is not None
 
 
@@ -192,6 +192,38 @@ def test_emergency_stop_before_any_command_holds_zero() -> None:
     arbiter = CommandArbiter(SETTINGS)
     arbiter.set_e_stop(True)
     assert [sent.twist for sent in run_silent(arbiter, 10, 13)] == [Twist2(0.0, 0.0)] * 3
+
+
+def test_an_emergency_stop_may_be_pressed_without_a_signal_that_is_kept_up() -> None:
+    arbiter = driving()
+    arbiter.press_e_stop()
+    assert arbiter.offer("nav", command(61)) is None
+    assert arbiter.release() is None
+    assert arbiter.state.reason == "emergency stop pressed; released, waiting for fresh commands"
+    assert arbiter.offer("nav", command(62)) is not None
+
+
+def test_a_lock_keeps_its_source_and_those_below_from_passing_and_not_those_above() -> None:
+    arbiter = driving()
+    arbiter.set_lock("follow", locked=True)
+    assert arbiter.state.mode is ArbiterMode.STOPPING and arbiter.state.reason == "nav is locked"
+    ramp = []
+    for index in range(61, 90):
+        ramp.append(arbiter.tick(CONTROL.stamp_ns(index)))
+        assert arbiter.offer("nav", command(index)) is None
+        assert arbiter.offer("follow", command(index)) is None
+    assert ramp[-1] is not None and ramp[-1].twist == Twist2(0.0, 0.0)
+    assert arbiter.offer("teleop", command(90)) is not None
+    arbiter.set_lock("follow", locked=False)
+    for index in range(91, 100):
+        arbiter.tick(CONTROL.stamp_ns(index))
+        passed = arbiter.offer("nav", command(index))
+    assert passed is not None
+
+
+def test_a_lock_of_an_unknown_source_is_an_error() -> None:
+    with pytest.raises(ValueError, match="unknown source 'joystick'"):
+        CommandArbiter(SETTINGS).set_lock("joystick", locked=True)
 
 
 def test_clock_that_jumps_back_stops_the_robot_until_fresh_commands() -> None:

@@ -46,6 +46,18 @@ class CommandLimits(RobotLimits):
             speed, yaw_rate = current.speed_mps + share * speed_step, current.yaw_rate_radps + share * yaw_step
         return Twist2(speed, yaw_rate)
 
+    def braked(self, current: Twist2, target: Twist2, track_step_mps: float) -> Twist2:
+        """As far from ``current`` towards ``target`` as ``track_step_mps`` takes each belt by itself."""
+        left, right = (
+            start + min(max(end - start, -track_step_mps), track_step_mps)
+            for start, end in zip(self._belts(current), self._belts(target), strict=True)
+        )
+        return Twist2(0.5 * (left + right), 0.5 * (right - left) / self.half_gauge_m)
+
+    def _belts(self, twist: Twist2) -> tuple[float, float]:
+        turning = self.half_gauge_m * twist.yaw_rate_radps
+        return twist.speed_mps - turning, twist.speed_mps + turning
+
     def _fastest_track(self, speed_mps: float, yaw_rate_radps: float) -> float:
         return abs(speed_mps) + self.half_gauge_m * abs(yaw_rate_radps)
 

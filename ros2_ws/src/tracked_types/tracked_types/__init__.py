@@ -6,11 +6,12 @@ ROS header carries. Every type is a frozen dataclass; arrays inside are float64.
 """
 
 from tracked_types.angles import angle_difference, wrap_angle
-from tracked_types.arbiter_state import ArbiterMode, ArbiterState
+from tracked_types.arbiter_state import ArbiterMode, ArbiterState, GuardAction
 from tracked_types.body_state import BodyState
 from tracked_types.command import VelocityCommand
 from tracked_types.goal import GoalReached
 from tracked_types.imu import ImuSample
+from tracked_types.joystick import Joystick
 from tracked_types.mover import Mover
 from tracked_types.occupancy_map import FREE, OCCUPIED, OCCUPIED_PERCENT, UNKNOWN, OccupancyMap
 from tracked_types.odometry import Odometry
@@ -18,8 +19,10 @@ from tracked_types.outline import Outline, OutlineKind
 from tracked_types.period_grid import PeriodGrid
 from tracked_types.plan_timing import PIPELINE_LATENCY_S, PLAN_RATE_HZ
 from tracked_types.pose import Pose2
+from tracked_types.pose_history import PoseHistory
 from tracked_types.pose_sample import PoseSample
 from tracked_types.scan import LaserScan
+from tracked_types.scan_points import ScanPoints
 from tracked_types.setting import check_settings, setting, settings_of
 from tracked_types.slip import Slip
 from tracked_types.solver_status import SolverStatus
@@ -46,7 +49,9 @@ __all__ = [
     "BodyState",
     "GoalReached",
     "Grip",
+    "GuardAction",
     "ImuSample",
+    "Joystick",
     "LaserScan",
     "Mover",
     "OccupancyMap",
@@ -55,7 +60,9 @@ __all__ = [
     "OutlineKind",
     "PeriodGrid",
     "Pose2",
+    "PoseHistory",
     "PoseSample",
+    "ScanPoints",
     "Slip",
     "SolverStatus",
     "StampOrder",

@@ -14,6 +14,7 @@ from node_kit.conversions.clock import clock_from_message, clock_to_message
 from node_kit.conversions.goal import goal_reached_from_message, goal_reached_to_message
 from node_kit.conversions.headers import fill_header, fill_stamp, header_from_message, stamp_from_message
 from node_kit.conversions.imu import imu_from_message, imu_to_message
+from node_kit.conversions.joystick import joystick_from_message, joystick_to_message
 from node_kit.conversions.movers import movers_to_message
 from node_kit.conversions.occupancy_grid import occupancy_grid_from_message, occupancy_grid_to_message
 from node_kit.conversions.odometry import odometry_from_message, odometry_to_message
@@ -46,6 +47,8 @@ __all__ = [
     "header_from_message",
     "imu_from_message",
     "imu_to_message",
+    "joystick_from_message",
+    "joystick_to_message",
     "movers_to_message",
     "occupancy_grid_from_message",
     "occupancy_grid_to_message",

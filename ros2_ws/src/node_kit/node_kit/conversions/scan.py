@@ -1,5 +1,6 @@
 """sensor_msgs/LaserScan."""
 
+import math
 from array import array
 
 import numpy as np
@@ -11,6 +12,8 @@ from node_kit.rejection import RejectedMessage
 from tracked_types import LaserScan
 
 MOST_BEAMS = 1_000_000
+MOST_RAD = 4.0 * math.pi  # of single-precision angles beyond, sines are no longer what they seem
+MOST_S = 60.0
 
 
 def scan_from_message(message: LaserScanMessage) -> LaserScan:
@@ -22,11 +25,15 @@ def scan_from_message(message: LaserScanMessage) -> LaserScan:
         agree with the angles.
     """
     stamp_ns, frame_id = header_from_message(message.header)
-    angle_min = require_finite("angle_min", message.angle_min)
+    angle_min, angle_max = _angle("angle_min", message.angle_min), _angle("angle_max", message.angle_max)
     increment = require_finite("angle_increment", message.angle_increment)
     if increment == 0.0:
         raise RejectedMessage("zero: angle_increment")
-    _require_beams(len(message.ranges), require_finite("angle_max", message.angle_max) - angle_min, increment)
+    _require_beams(len(message.ranges), angle_max - angle_min, increment)
+    time_increment = require_not_negative("time_increment", message.time_increment)
+    scan_time = require_not_negative("scan_time", message.scan_time)
+    if max(scan_time, time_increment * len(message.ranges)) > MOST_S:
+        raise RejectedMessage(f"a revolution of more than {MOST_S:g} s")
     range_min = require_not_negative("range_min", message.range_min)
     if not range_min < message.range_max:
         raise RejectedMessage("range_max does not exceed range_min")
@@ -35,8 +42,8 @@ def scan_from_message(message: LaserScanMessage) -> LaserScan:
         frame_id=frame_id,
         angle_min_rad=angle_min,
         angle_increment_rad=increment,
-        time_increment_s=require_not_negative("time_increment", message.time_increment),
-        scan_time_s=require_not_negative("scan_time", message.scan_time),
+        time_increment_s=time_increment,
+        scan_time_s=scan_time,
         range_min_m=range_min,
         range_max_m=message.range_max,
         ranges_m=np.array(message.ranges, dtype=np.float32),
@@ -57,6 +64,12 @@ def scan_to_message(scan: LaserScan, into: LaserScanMessage | None = None) -> La
     message.range_max = float(scan.range_max_m)
     message.ranges = array("f", np.ascontiguousarray(scan.ranges_m, dtype=np.float32).tobytes())
     return message
+
+
+def _angle(name: str, value: float) -> float:
+    if abs(require_finite(name, value)) > MOST_RAD:
+        raise RejectedMessage(f"more than two turns: {name}")
+    return value
 
 
 def _require_beams(beams: int, span: float, increment: float) -> None:

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from tracked_lab.recordings.recording_file import load_arrays
 from tracked_localization.mapping.log_odds_grid import LogOddsGrid, LogOddsSettings
-from tracked_localization.matching.scan_points import ScanPoints, scan_points
 from tracked_localization.matching.wall_field import WallField
-from tracked_types import LaserScan, Pose2
+from tracked_types import LaserScan, Pose2, ScanPoints
+from tracked_types.scan_points import scan_points
 
 Array = NDArray[np.float64]
 _FIELDS = ("scan_t", "ranges_mm", "angle_min", "angle_increment", "scan_odom", "laser_in_base_xyyaw")

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracked_localization.matching.scan_matcher import Match, MatchSettings, match_scan
-from tracked_localization.matching.scan_points import ScanPoints
 from tracked_localization.matching.wall_field import WallField
 from tracked_types import FREE, OccupancyMap, Pose2, wrap_angle
+from tracked_types.scan_points import ScanPoints
 from tracked_types.setting import check_settings, setting
 
 Array = NDArray[np.float64]

@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracked_localization.matching.scan_points import ScanPoints
 from tracked_types import UNKNOWN, OccupancyMap, Pose2
+from tracked_types.scan_points import ScanPoints
 from tracked_types.setting import check_settings, setting
 
 Array = NDArray[np.float64]

@@ -6,9 +6,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tracked_description import Robot
-from tracked_localization.matching.pose_history import PoseHistory
-from tracked_localization.matching.scan_points import ScanPoints, scan_points
-from tracked_types import LaserScan, Odometry, Pose2, StampOrder, clock_set_back, to_nanoseconds
+from tracked_types import (
+    LaserScan,
+    Odometry,
+    Pose2,
+    PoseHistory,
+    ScanPoints,
+    StampOrder,
+    clock_set_back,
+    to_nanoseconds,
+)
+from tracked_types.scan_points import scan_points
 
 MOST_BEAMS = 2000
 _LONGEST_SCAN_S = 1.0

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracked_localization.matching.scan_points import ScanPoints
-from tracked_types import Pose2
+from tracked_types import Pose2, ScanPoints
 
 Array = NDArray[np.float64]
 

@@ -11,12 +11,11 @@ from scipy.sparse.csgraph import dijkstra
 from tracked_localization.mapping.log_odds_grid import LogOddsSettings
 from tracked_localization.matching.information import information_in, with_floor
 from tracked_localization.matching.scan_matcher import Match, MatchSettings
-from tracked_localization.matching.scan_points import ScanPoints
 from tracked_localization.pose_graph.graph_solver import fitted, misfit
 from tracked_localization.pose_graph.key_scan import Edge, KeyScan
 from tracked_localization.pose_graph.loop_finder import LoopFinder
 from tracked_localization.pose_graph.settings import LoopSettings
-from tracked_types import Pose2, wrap_angle
+from tracked_types import Pose2, ScanPoints, wrap_angle
 
 Array = NDArray[np.float64]
 _ALIKE_M, _ALIKE_RAD = 0.3, 0.08

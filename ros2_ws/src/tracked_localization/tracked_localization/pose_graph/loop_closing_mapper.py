@@ -6,10 +6,9 @@ from numpy.typing import NDArray
 from tracked_localization.mapping.log_odds_grid import LogOddsGrid, LogOddsSettings
 from tracked_localization.mapping.mapper import Mapper, MapperSettings, Placed
 from tracked_localization.matching.scan_matcher import MatchSettings
-from tracked_localization.matching.scan_points import ScanPoints
 from tracked_localization.pose_graph.loop_closer import Kept, LoopCloser
 from tracked_localization.pose_graph.settings import LoopSettings
-from tracked_types import OccupancyMap, Pose2
+from tracked_types import OccupancyMap, Pose2, ScanPoints
 
 
 class LoopClosingMapper:

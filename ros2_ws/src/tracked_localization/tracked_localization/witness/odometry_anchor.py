@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 
-from tracked_localization.matching.pose_history import PoseHistory
 from tracked_localization.witness.scan_motion import ScanStep
-from tracked_types import Odometry, Pose2, PoseSample
+from tracked_types import Odometry, Pose2, PoseHistory, PoseSample
 
 _JUMP_M, _JUMP_RAD = 0.2, 0.3
 _LEAST_VARIANCE = np.diag([1e-6, 1e-6, 1e-6])

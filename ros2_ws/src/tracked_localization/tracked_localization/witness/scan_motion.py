@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 
 from tracked_localization.matching.information import rotation, with_floor
 from tracked_localization.matching.scan_matcher import Match, MatchSettings, match_scan
-from tracked_localization.matching.scan_points import ScanPoints
 from tracked_localization.witness.scan_field import ScanField
-from tracked_types import Pose2, wrap_angle
+from tracked_types import Pose2, ScanPoints, wrap_angle
 from tracked_types.setting import check_settings, setting
 
 Array = NDArray[np.float64]

@@ -5,8 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tracked_localization.matching.pose_history import PoseHistory
-from tracked_localization.matching.scan_points import scan_points
 from tracked_localization.slip import unknown_slip
 from tracked_localization.witness.felt_speed import FeltSpeed
 from tracked_localization.witness.motion_record import MotionRecord
@@ -21,6 +19,7 @@ from tracked_types import (
     LaserScan,
     Odometry,
     Pose2,
+    PoseHistory,
     Slip,
     StampOrder,
     TrackSample,
@@ -29,6 +28,7 @@ from tracked_types import (
     seconds_between,
     to_nanoseconds,
 )
+from tracked_types.scan_points import scan_points
 
 _LONGEST_GAP_S = 0.1
 _NO_COVARIANCE3, _NO_COVARIANCE2 = np.zeros((3, 3)), np.zeros((2, 2))

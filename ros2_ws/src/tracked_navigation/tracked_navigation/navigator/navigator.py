@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tracked_localization.matching.scan_points import ScanPoints
 from tracked_navigation.band import BandResult, TimedElasticBand
 from tracked_navigation.band.band_result import STOP
 from tracked_navigation.movers.mover_tracker import MoverSettings
@@ -26,6 +25,7 @@ from tracked_types import (
     Odometry,
     PeriodGrid,
     Pose2,
+    ScanPoints,
     StampOrder,
     Trajectory,
     Twist2,

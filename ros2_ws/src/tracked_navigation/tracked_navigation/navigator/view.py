@@ -3,11 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from tracked_localization.matching.scan_points import ScanPoints
 from tracked_navigation.movers.map_mask import MapMask
 from tracked_navigation.movers.mover_tracker import MoverSettings, MoverTracker
 from tracked_navigation.navigator.unmapped import UnmappedObstacles, bare_walls, without_near
-from tracked_types import Mover, OccupancyMap, Pose2
+from tracked_types import Mover, OccupancyMap, Pose2, ScanPoints
 
 Array = NDArray[np.float64]
 _OF_WALL_M = 0.15  # points so near to something of the map are of it

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracked_localization.matching.pose_history import PoseHistory
-from tracked_types import NANOSECONDS_PER_SECOND, LaserScan, Pose2
+from tracked_types.pose import Pose2
+from tracked_types.pose_history import PoseHistory
+from tracked_types.scan import LaserScan
+from tracked_types.stamps import NANOSECONDS_PER_SECOND
 
 Array = NDArray[np.float64]
 _FLOOR_M = 0.1  # what seems lower than this is, or may be, the floor

@@ -5,7 +5,9 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from tracked_types import Odometry, angle_difference, to_nanoseconds
+from tracked_types.angles import angle_difference
+from tracked_types.odometry import Odometry
+from tracked_types.stamps import to_nanoseconds
 
 Array = NDArray[np.float64]
 
