@@ -124,7 +124,7 @@ class Track:
                 end_ns = simulator.stamp_ns + round(0.25 * 1e9)  # by then a scan shows it, whatever is hit
         self._world.delete(THING)
         first = next((scan for scan in self._scans[scans:] if (scan.ranges_m < SEEN_M).any()), None)
-        slower = next((sent for sent in self._sent[count:] if _pace(sent.twist) < _pace(steady) - 1e-6), None)
+        slower = next((sent for sent in self._sent[count:] if _is_slower(sent.twist, steady)), None)
         known_s = math.inf if first is None else seconds_between(first.stamp_ns, thrown_ns) + first.scan_time_s
         reaction_s = math.inf
         if first is not None and slower is not None:
@@ -218,6 +218,11 @@ def _twist(random: np.random.Generator) -> Twist2:
 
 def _pace(twist: Twist2) -> float:
     return max(abs(twist.speed_mps), TURN_RADIUS_M * abs(twist.yaw_rate_radps))
+
+
+def _is_slower(twist: Twist2, than: Twist2) -> bool:
+    slower = abs(than.speed_mps) - abs(twist.speed_mps) > 1e-6
+    return slower or abs(than.yaw_rate_radps) - abs(twist.yaw_rate_radps) > 1e-6
 
 
 def _after(twist: Twist2, time_s: float) -> Pose2:

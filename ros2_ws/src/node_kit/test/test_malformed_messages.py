@@ -54,7 +54,7 @@ INTEGERS = {
     "uint64": (0, 2**64 - 1),
 }
 
-TYPE_CODES = {"double": "d", "float": "f", "int8": "b"}
+TYPE_CODES = {"double": "d", "float": "f", "int8": "b", "int32": "i"}
 
 
 def random_value(kind, draw):
@@ -80,7 +80,6 @@ def random_value(kind, draw):
     values = [random_value(kind.value_type, draw) for _ in range(draw(st.integers(0, 4)))]
     if isinstance(kind.value_type, BasicType):
         return array(TYPE_CODES[kind.value_type.typename], values)
-        return array({"double": "d", "float": "f", "int32": "i"}[kind.value_type.typename], values)
     return values
 
 
