@@ -132,6 +132,8 @@ def test_a_source_that_is_slower_than_the_control_period_is_judged_between_its_c
     bench.run(0.19)
     assert bench.arbiter.state.mode is ArbiterMode.FORWARDING
     assert speeds(bench)[-1] < 0.4
+    now_ns = ODOMETRY.stamp_ns(bench.tick_index - 1)
+    assert now_ns - bench.sent[-1].stamp_ns <= 0.11e9, "the base would refuse what is older than 0.2 s"
 
 
 def test_without_a_first_scan_the_robot_stands_and_says_why():

@@ -17,6 +17,7 @@ from tracked_types import (
     VelocityCommand,
     clock_set_back,
     seconds_between,
+    to_nanoseconds,
 )
 
 _REST = Twist2(0.0, 0.0)
@@ -238,7 +239,10 @@ class CommandArbiter:
         return min(max(seconds_between(stamp_ns, self._sent.stamp_ns), 0.0), 2.0 * self._control_period_s)
 
     def _judge_again(self) -> VelocityCommand | None:
-        """What replaces the last command, under its stamp: later ones of its source must not look older."""
+        """What replaces the last command, under its stamp if the base would still take that.
+
+        Later commands of a source that lags behind must not look older than what was sent.
+        """
         if self._sent is None:
             return None
         now_ns = max(self._newest_ns(), self._acted_ns)
@@ -247,7 +251,7 @@ class CommandArbiter:
         if twist is None:
             return None
         self.cut_off[self._source] += 1
-        sent = self._let_out(self._sent.stamp_ns, twist)
+        sent = self._let_out(max(self._sent.stamp_ns, now_ns - to_nanoseconds(0.5 * self.settings.timeout_s)), twist)
         self._acted_ns = now_ns
         return sent
 
