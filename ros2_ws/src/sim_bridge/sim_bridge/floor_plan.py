@@ -34,6 +34,8 @@ def _objects(world: World) -> Iterator[Outline]:
                 yield _outline(solid, "movable", label)
             else:
                 yield _outline(solid, "wall" if solid.shape == "box" else "obstacle", label)
+    for walker in world.walkers:
+        yield _outline(walker.solid(), "movable", f"{walker.name.replace('_', ' ')}, walks")
 
 
 def _outline(solid: Solid, kind: OutlineKind, label: str) -> Outline:
