@@ -178,7 +178,7 @@ def test_asked_to_search_it_says_where_the_robot_is(watched):
     ("changed", "reason"),
     [
         ({"angle_increment": 0.0}, "zero: angle_increment"),
-        ({"angle_max": 1e9}, "size of ranges disagrees with the angles"),
+        ({"angle_max": 1e9}, "more than two turns: angle_max"),
         ({"ranges": array("f", [1.0, 2.0])}, "size of ranges disagrees with the angles"),
         ({"time_increment": 0.1}, "takes longer than 1 s: scan"),
         ({"range_max": math.nan}, "range_max does not exceed range_min"),
