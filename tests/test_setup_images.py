@@ -10,14 +10,16 @@ DOCKER = ROOT / "docker"
 NOT_IN_THE_STACK_SERVICE = {"sim_bridge", "recorder", "mcap_recorder", "replay"}
 
 
-def test_the_compose_file_starts_every_node_of_the_table_once():
+def test_the_compose_file_starts_every_node_of_the_table_that_is_not_optional_once():
     services = yaml.safe_load((DOCKER / "compose.yaml").read_text())["services"]
     table = yaml.safe_load((ROOT / "ros2_ws/src/tracked_bringup/tracked_bringup/data/nodes.yaml").read_text())["nodes"]
     simulator = table["sim_bridge"]
     assert services["simulator"]["command"][:2] == [simulator["package"], simulator["executable"]]
     hosted = services["stack"]["command"][2:]
     assert sorted(hosted) == sorted(
-        node["class"] for name, node in table.items() if name not in NOT_IN_THE_STACK_SERVICE
+        node["class"]
+        for name, node in table.items()
+        if name not in NOT_IN_THE_STACK_SERVICE and not node.get("optional")
     )
 
 
