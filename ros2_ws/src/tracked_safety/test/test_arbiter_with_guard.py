@@ -93,14 +93,14 @@ def test_every_source_stops_before_a_wall_within_ordinary_braking(source):
     bench.wanted = {source: FAST}
     bench.run(8.0)
     assert bench.gap_m > 0.0
-    assert bench.gap_m < (GUARD.margin_m + 0.02)
+    assert bench.gap_m < 0.045
     assert bench.sent[-1].twist == Twist2(0.0, 0.0)
     steps = [before - after for before, after in pairwise(speeds(bench))]
     hard = [step for step in steps if step > SETTINGS.limits.braking_mps2 / 30.0 * 1.001]
-    assert hard == ([GUARD.crawl_mps] if source == "teleop" else []), "a person comes closer, and ends a crawl at once"
+    assert hard == [GUARD.crawl_mps], "a crawl ends at once"
     state = bench.arbiter.state
     assert state.guard is GuardAction.HOLDING and "obstacle" in state.guard_reason
-    assert state.mode is ArbiterMode.FORWARDING and state.obstacle_m < 0.02
+    assert state.mode is ArbiterMode.FORWARDING and state.obstacle_m == 0.0
 
 
 def test_for_a_wall_thrown_in_it_brakes_as_hard_as_the_belts_can_within_the_same_instant_as_the_scan():
@@ -239,15 +239,12 @@ def test_in_lock_step_a_scan_that_does_not_come_can_be_given_up():
     assert not bench.arbiter.is_waiting
 
 
-def test_teleoperation_gets_out_at_a_crawl_where_navigation_may_not():
-    bench = Bench(wall_m=FRONT_M + 0.05)
+def test_a_robot_that_was_put_too_close_may_only_go_back_and_at_a_crawl_at_first():
+    bench = Bench(wall_m=FRONT_M + 0.03)
     bench.run(1.0)
     assert set(speeds(bench)) == {0.0}
-    bench.wanted = {"teleop": FAST}
-    bench.run(2.0)
-    assert max(speeds(bench)) == pytest.approx(GUARD.crawl_mps) and GUARD.tight_margin_m <= bench.gap_m < 0.045
-    bench.wanted = {"nav": Twist2(-0.4, 0.0)}
-    bench.run(0.5)
+    bench.wanted = {"teleop": Twist2(-0.4, 0.0)}
+    bench.run(0.4)
     assert min(speeds(bench)) == pytest.approx(-GUARD.crawl_mps)
     bench.run(3.0)
     assert bench.sent[-1].twist.speed_mps == -0.4

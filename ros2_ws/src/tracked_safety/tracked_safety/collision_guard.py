@@ -5,7 +5,7 @@ its footprint; if not, it is slowed until it can. What is close in time slows, w
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from tracked_types import GuardAction, LaserScan, Odometry, Twist2
 
 Array = NDArray[np.float64]
 _STEP_M = 0.025
-_STANDING_MPS, _LEAST_MPS = 1e-6, 0.005
+_STANDING_MPS = 1e-6
 _TURN_RADIUS_M = 0.5  # of a turn on the spot, to measure it in metres at about the corners
 _ALONGSIDE_M = 0.001
 _REST = Twist2(0.0, 0.0)
@@ -76,39 +76,39 @@ class CollisionGuard:
             return Permitted(wanted)
         ways = np.linspace(0.0, look_m, max(2, math.ceil(look_m / _STEP_M) + 1))
         gaps = settings.footprint.distance(_along(near, wanted, ways / pace)) - settings.margin_m
-        if gaps[0].min() <= 0.0:
-            return self._beside(wanted, pace, near, attended)
-        free_m = _first_contact(ways, gaps.min(axis=1))
+        free_m = 0.0 if gaps[0].min() <= 0.0 else _first_contact(ways, gaps.min(axis=1))
         if free_m >= look_m:
             return Permitted(wanted)
         # v late + v^2 / 2a = free way, solved for v; and what is far enough to brake is still approached gently.
         most = braking * (math.sqrt(late_s**2 + 2.0 * free_m / braking) - late_s)
         if gently and settings.approach_s > 0.0:
-            most = min(most, max(free_m / settings.approach_s, settings.crawl_mps))
+            most = min(most, free_m / settings.approach_s)
         if most >= pace:
             return Permitted(wanted)
-        if most < _LEAST_MPS:
+        if most < settings.crawl_mps:
+            # Who comes fast has to brake as if to rest: a crawl is for who is slow already.
+            is_fast = not gently and pace > 1.5 * settings.crawl_mps
+            crawling = Permitted(_REST) if is_fast else self._crawling(wanted, pace, near, attended)
+            if crawling.twist != _REST:
+                return replace(crawling, nearest_m=free_m)
             return Permitted(_REST, GuardAction.HOLDING, "an obstacle is in the way", free_m)
         return Permitted(_scaled(wanted, most / pace), GuardAction.SLOWING, "an obstacle is in the way", free_m)
 
-    def _beside(self, wanted: Twist2, pace: float, points: Array, attended: bool) -> Permitted:
-        """Something is within the margin: nothing of it may come nearer, and the robot no faster than a crawl."""
+    def _crawling(self, wanted: Twist2, pace: float, points: Array, attended: bool) -> Permitted:
+        """The margin is used up: no faster than a crawl, and nothing within the tight margin may come nearer."""
         settings = self.settings
         late_s = settings.reaction_s + settings.delay_s
         stopping_m = settings.crawl_mps * late_s + settings.crawl_mps**2 / (2.0 * settings.braking_mps2)
-        ways = np.linspace(0.0, stopping_m, 4)
-        gaps = settings.footprint.distance(_along(points, wanted, ways / pace))
-        now = gaps[0]
-        close, touched = now <= settings.margin_m, now <= 0.0
-        least = now - _ALONGSIDE_M
-        if attended:
-            least = np.minimum(least, settings.tight_margin_m)
+        gaps = settings.footprint.distance(_along(points, wanted, np.linspace(0.0, stopping_m, 4) / pace))
+        now, soon = gaps[0], gaps[1:]
         # What touches already must be left: to slide along it is for a person to decide.
-        leaves = attended or (gaps[1:, touched] > now[touched]).all()
-        if not leaves or (gaps[1:, close] < least[close]).any():
-            return Permitted(_REST, GuardAction.HOLDING, "an obstacle is within the margin", 0.0)
-        share = min(1.0, settings.crawl_mps / pace)
-        return Permitted(_scaled(wanted, share), GuardAction.CRAWLING, "an obstacle is within the margin", 0.0)
+        touched = now <= 0.0
+        leaves = attended or (soon[:, touched] > now[touched]).all()
+        if not leaves or (soon < np.minimum(now - _ALONGSIDE_M, settings.tight_margin_m)).any():
+            return Permitted(_REST)
+        return Permitted(
+            _scaled(wanted, min(1.0, settings.crawl_mps / pace)), GuardAction.CRAWLING, "an obstacle is near"
+        )
 
 
 def _along(points: Array, twist: Twist2, times_s: Array) -> Array:

@@ -21,16 +21,10 @@ class GuardSettings:
     delay_s: float
     lidar: Pose2
 
-    margin_m: float = setting(0.06, "room that is kept around the robot", unit="m", low=0.0, high=1.0)
-    tight_margin_m: float = setting(
-        0.02, "room that is kept where a person steers the robot out, at a crawl", unit="m", low=0.0, high=1.0
-    )
+    margin_m: float = setting(0.06, "room that is kept around the robot at speed", unit="m", low=0.0, high=1.0)
+    tight_margin_m: float = setting(0.02, "room that is kept at a crawl", unit="m", low=0.0, high=1.0)
     crawl_mps: float = setting(
-        0.08,
-        "speed at which the robot may go on beside what is within the margin, or back off from it",
-        unit="m/s",
-        low=0.0,
-        high=0.5,
+        0.08, "speed at which the robot may go on where the margin is used up", unit="m/s", low=0.0, high=0.5
     )
     approach_s: float = setting(
         1.0, "what lies ahead is kept this far away in time; 0: only brake", unit="s", low=0.0, high=10.0

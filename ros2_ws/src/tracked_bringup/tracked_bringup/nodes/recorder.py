@@ -34,7 +34,7 @@ from tracked_bringup.odom_origin import OdomOrigin
 from tracked_description import ROBOT_FILE, load_robot
 from tracked_report.run_record import RunMeta
 from tracked_report.run_recorder import RunRecorder
-from tracked_types import ArbiterState, BodyState, Odometry
+from tracked_types import ArbiterState, BodyState, GuardAction, Odometry
 
 PARAMETERS = ParameterTable(
     Parameter("record_file", "record.npz", "file that the record is written to when the node is stopped"),
@@ -107,6 +107,7 @@ class RecorderNode(StackNode):
         """What the arbiter does is an event."""
         text = f"{state.mode.name.lower().replace('_', ' ')} {state.source}".rstrip()
         text += f": {state.reason}" if state.reason else ""
+        text += f", {state.guard.value}" if state.guard not in (GuardAction.OFF, GuardAction.PASSING) else ""
         if text != self.safety_text:
             self.safety_text = text
             self.recorder.add_event(state.stamp_ns, "command_arbiter", text)

@@ -92,12 +92,11 @@ class CommandArbiterNode(StackNode):
         self.subscribe_typed(
             OdometryMessage, "odom", odometry_from_message, self.on_odometry, qos.STATE, expected_frame=odom_frame
         )
-        if self.guard is not None:
-            sensor = qos.sensor(reliable=self.value(qos.RELIABLE_SENSORS.name))
-            lidar_frame = self.frame(robot.frames.lidar)
-            self.subscribe_typed(
-                LaserScanMessage, "scan", scan_from_message, self.on_scan, sensor, expected_frame=lidar_frame
-            )
+        sensor = qos.sensor(reliable=self.value(qos.RELIABLE_SENSORS.name))
+        lidar_frame = self.frame(robot.frames.lidar)
+        self.subscribe_typed(
+            LaserScanMessage, "scan", scan_from_message, self.on_scan, sensor, expected_frame=lidar_frame
+        )
         self.serve(Trigger, "e_stop", self.on_press)
         self.serve(Trigger, "release_e_stop", self.on_release)
         self._timeout_s = settings.timeout_s
@@ -123,7 +122,7 @@ class CommandArbiterNode(StackNode):
         self._send(self.arbiter.add_odometry(odometry))
 
     def on_scan(self, scan: LaserScan) -> None:
-        """What the guard sees; node_kit counts scans that it refuses."""
+        """What the guard, if there is one, sees; node_kit counts scans that it refuses."""
         try:
             self._send(self.arbiter.add_scan(scan))
         except ScanRefused as refusal:
