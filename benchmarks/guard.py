@@ -21,6 +21,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from sim_bridge.sensor_suite import SensorBatch
 from sim_bridge.simulator import Simulator
 from sim_bridge.world import load_world
 from sim_bridge.world_control import WorldControl
@@ -142,7 +143,7 @@ class Track:
         while self._simulator.stamp_ns < end_ns:
             self._take(self._simulator.advance())
 
-    def _take(self, batch) -> None:  # type: ignore[no-untyped-def]
+    def _take(self, batch: SensorBatch) -> None:
         """What the graph does in lock-step with what the sensors deliver at one tick."""
         for scan in batch.scans:
             self._scans.append(scan)

@@ -1,6 +1,7 @@
 """Things that walk about a world by themselves, person-sized: pillars on a path, at a set pace."""
 
 import math
+from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -41,12 +42,17 @@ class Walker(CheckedModel):
     @property
     def length_m(self) -> float:
         """Length of the path, one way."""
-        return float(_steps(np.array(self.waypoints_m)).sum())
+        return float(self._course[0][-1])
+
+    @cached_property
+    def _course(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Way (n,) to each waypoint and the waypoints (n, 2)."""
+        points = np.array(self.waypoints_m)
+        return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))]), points
 
     def place_m(self, time_s: float) -> tuple[float, float]:
         """Where it is at a simulated time, in the world."""
-        points = np.array(self.waypoints_m)
-        arcs = np.concatenate([[0.0], np.cumsum(_steps(points))])
+        arcs, points = self._course
         there_and_back = math.fmod(max(time_s - self.begins_s, 0.0) * self.speed_mps, 2.0 * self.length_m)
         arc = min(there_and_back, 2.0 * self.length_m - there_and_back)
         return float(np.interp(arc, arcs, points[:, 0])), float(np.interp(arc, arcs, points[:, 1]))
@@ -80,8 +86,3 @@ class Walking:
                     self._waited_s[walker.name] += period_s
                     continue
             entities.move_to(walker.name, *place)
-
-
-def _steps(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    lengths: NDArray[np.float64] = np.hypot(*np.diff(points, axis=0).T)
-    return lengths

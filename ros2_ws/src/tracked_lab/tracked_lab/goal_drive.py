@@ -1,5 +1,6 @@
 """A drive to goals in the simulated world, closed through the stack's own objects, in lock-step and without ROS."""
 
+import contextlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -20,10 +21,17 @@ from tracked_navigation.movers.mover_tracker import MoverSettings
 from tracked_navigation.navigator import Finished, Navigator, NavigatorOutput, NavigatorSettings
 from tracked_navigation.planning.costmap import CostSettings
 from tracked_navigation.planning.zones import Zones
-from tracked_safety import ArbiterSettings, CommandArbiter, CommandRefused
-from tracked_types import BodyState, OccupancyMap, Odometry, Pose2, Slip, VelocityCommand
-
-_PIPELINE_LATENCY_S = 0.1
+from tracked_safety import ArbiterSettings, CollisionGuard, CommandArbiter, CommandRefused, GuardSettings
+from tracked_types import (
+    PIPELINE_LATENCY_S,
+    BodyState,
+    OccupancyMap,
+    Odometry,
+    Pose2,
+    Slip,
+    VelocityCommand,
+    to_nanoseconds,
+)
 
 
 @dataclass(slots=True)
@@ -40,7 +48,7 @@ class Moment:
 
 
 class GoalDrive:
-    """Simulator, odometry filter, localiser, navigator, NMPC layers and arbiter of one robot.
+    """Simulator, odometry filter, localiser, navigator, NMPC layers and arbiter with guard of one robot.
 
     map and world share one frame. The robot knows at the beginning where it is.
     """
@@ -75,14 +83,15 @@ class GoalDrive:
             zones,
         )
         self.navigator.set_map(occupancy_map)
-        steering = {"upper_nmpc": {"pipeline_latency_s": _PIPELINE_LATENCY_S, **parameters.get("upper_nmpc", {})}}
+        steering = {"upper_nmpc": {"pipeline_latency_s": PIPELINE_LATENCY_S, **parameters.get("upper_nmpc", {})}}
         self.steering = NmpcLayers.from_parameters(robot, steering | {"lower_nmpc": parameters.get("lower_nmpc", {})})
-        self.arbiter = CommandArbiter(ArbiterSettings.from_robot(robot))
+        guard = CollisionGuard(GuardSettings.from_robot(robot))
+        self.arbiter = CommandArbiter(ArbiterSettings.from_robot(robot), guard, lock_step=True)
 
     def drive(self, goals: Sequence[Pose2], *, limit_s: float) -> Iterator[Moment]:
         """Moments until the navigator says how it ended, or ``limit_s`` of simulated time have passed."""
         asked = False
-        end_ns = self.simulator.stamp_ns + round(limit_s * 1e9)
+        end_ns = self.simulator.stamp_ns + to_nanoseconds(limit_s)
         while self.simulator.stamp_ns < end_ns:
             if not asked and self.localiser.phase is Phase.LOCALISED:
                 self.navigator.go(goals)
@@ -99,19 +108,20 @@ class GoalDrive:
     def _tick(self) -> Moment:
         batch = self.simulator.advance()
         moment = Moment(batch.stamp_ns, batch.truth[0] if batch.truth else None)
-        estimates = [*(found for sample in batch.imu for found in self.filter.add_imu(sample))]
+        estimates = [found for sample in batch.imu for found in self.filter.add_imu(sample)]
         estimates += [found for sample in batch.tracks for found in self.filter.add_tracks(sample)]
         for estimate in estimates:
             self._react(estimate.odometry, estimate.slip, moment)
         for scan in batch.scans:
             self._take(self._alignment.add_scan(scan), moment)
+            self._send(self.arbiter.add_scan(scan), moment)
         return moment
 
     def _react(self, odometry: Odometry, slip: Slip, moment: Moment) -> None:
         moment.odometry = odometry
         self._take(self._alignment.add_odometry(odometry), moment)
         self.localiser.work(odometry.stamp_ns)
-        stopped = self.arbiter.tick(odometry.stamp_ns)
+        self._send(self.arbiter.add_odometry(odometry), moment)
         output = self.navigator.update(odometry, self._odom_in_map)
         if output is not None:
             moment.output, moment.finished = output, output.finished
@@ -119,12 +129,12 @@ class GoalDrive:
                 self.steering.set_reference(output.reference)
         self.steering.set_slip(slip)
         steered = self.steering.update(odometry)
-        sent = stopped
         if steered is not None and steered.command is not None:
-            try:
-                sent = self.arbiter.offer("nav", steered.command)
-            except CommandRefused:
-                sent = None
+            with contextlib.suppress(CommandRefused):
+                self._send(self.arbiter.offer("nav", steered.command), moment)
+
+    def _send(self, sent: VelocityCommand | None, moment: Moment) -> None:
+        """To the base, and word of it to the steering."""
         if sent is not None:
             moment.command = sent
             self.steering.set_sent(sent)

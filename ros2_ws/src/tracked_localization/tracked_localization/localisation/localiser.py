@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tracked_localization.matching.information import corrected, offset_to, posterior_of, with_floor
 from tracked_localization.matching.scan_matcher import Match, MatchSettings, match_scan
 from tracked_localization.matching.wall_field import WallField
-from tracked_types import Pose2, seconds_between, wrap_angle
+from tracked_types import Pose2, seconds_between
 from tracked_types.scan_points import ScanPoints
 from tracked_types.setting import check_settings, setting
 
@@ -92,8 +93,6 @@ class Localiser:
         covariance: Array | None = None,
     ) -> None:
         self._settings, self._matching, self._field = settings, matching, field
-        deviations = [settings.scan_deviation_m, settings.scan_deviation_m, settings.scan_deviation_rad]
-        self._floor = np.diag(np.square(deviations))
         self.restart(start, covariance)
 
     def restart(self, pose: Pose2, covariance: Array | None = None) -> None:
@@ -142,10 +141,9 @@ class Localiser:
 
         Points of one scan err together, so that their information has an end.
         """
-        growth = 1.0 + ((1.0 - match.agreement) / self._settings.scan_strangeness) ** 2
-        bounded = match.information @ np.linalg.inv(np.eye(3) + growth**2 * self._floor @ match.information)
-        symmetric: Array = 0.5 * (bounded + bounded.T)
-        return symmetric
+        settings = self._settings
+        growth = 1.0 + ((1.0 - match.agreement) / settings.scan_strangeness) ** 2
+        return with_floor(match.information, growth * settings.scan_deviation_m, growth * settings.scan_deviation_rad)
 
     def _carry_on(self, odom_pose: Pose2) -> None:
         """Move as odometry moved, and grow less sure by it."""
@@ -169,10 +167,8 @@ class Localiser:
         doubt = match.doubt(self._matching)
         if doubt:
             return doubt
-        offset = match.pose.as_array() - self._pose.as_array()
-        offset[2] = wrap_angle(float(offset[2]))
-        information = self.information(match)
-        posterior = self._posterior(information)
+        offset, information = offset_to(match.pose, self._pose), self.information(match)
+        posterior = posterior_of(self._covariance, information)
         # offset' (P + H^-1)^-1 offset, also where the information H is singular
         surprise = float(offset @ (np.eye(3) - information @ posterior) @ information @ offset)
         self._surprises = self._surprises + 1 if surprise > settings.surprise**2 else 0
@@ -180,17 +176,6 @@ class Localiser:
             return f"the scan fits {math.hypot(offset[0], offset[1]):.2f} m and {abs(offset[2]):.2f} rad from odometry"
         if self._surprises:
             self._covariance = self._covariance * (surprise / settings.surprise**2)
-            posterior = self._posterior(information)
-        moved = posterior @ information @ offset
-        self._pose = Pose2(
-            self._pose.x_m + float(moved[0]),
-            self._pose.y_m + float(moved[1]),
-            wrap_angle(self._pose.yaw_rad + float(moved[2])),
-        )
-        self._covariance = 0.5 * (posterior + posterior.T)
+            posterior = posterior_of(self._covariance, information)
+        self._pose, self._covariance = corrected(self._pose, offset, information, posterior)
         return ""
-
-    def _posterior(self, information: Array) -> Array:
-        """(P^-1 + H)^-1 without inverting either."""
-        found: Array = self._covariance @ np.linalg.inv(np.eye(3) + information @ self._covariance)
-        return found

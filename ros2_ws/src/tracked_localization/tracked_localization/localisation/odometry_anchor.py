@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tracked_localization.matching.information import rotation
 from tracked_types import Pose2, PoseSample, seconds_between, wrap_angle
 from tracked_types.setting import check_settings, setting
 
@@ -71,8 +72,7 @@ class OdometryAnchor:
         if self.odom_in_map is None:
             return None
         inward = self.odom_in_map.inverse()
-        cosine, sine = math.cos(inward.yaw_rad), math.sin(inward.yaw_rad)
-        turned = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+        turned = rotation(inward.yaw_rad)
         covariance = np.linalg.inv(information + _UNSEEN * np.eye(3))
         covariance = turned @ covariance @ turned.T
         return PoseSample(stamp_ns, odom_frame, inward.compose(pose), 0.5 * (covariance + covariance.T))

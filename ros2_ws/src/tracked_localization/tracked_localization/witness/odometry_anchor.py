@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from tracked_localization.matching.information import rotation
 from tracked_localization.witness.scan_motion import ScanStep
 from tracked_types import Odometry, Pose2, PoseHistory, PoseSample
 
@@ -43,8 +44,6 @@ class OdometryAnchor:
             if found is None:
                 return None
             self._anchor = Pose2(*found[0].tolist()).compose(step.pose.inverse())
-        turn = np.eye(3)
-        cosine, sine = math.cos(self._anchor.yaw_rad), math.sin(self._anchor.yaw_rad)
-        turn[:2, :2] = [[cosine, -sine], [sine, cosine]]
+        turn = rotation(self._anchor.yaw_rad)
         covariance = turn @ step.covariance @ turn.T + _LEAST_VARIANCE
         return PoseSample(step.stamp_ns, frame_id, self._anchor.compose(step.pose), covariance)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracked_localization.matching.information import rotation, with_floor
+from tracked_localization.matching.information import corrected, offset_to, posterior_of, rotation, with_floor
 from tracked_localization.matching.scan_matcher import Match, MatchSettings, match_scan
 from tracked_localization.witness.scan_field import ScanField
-from tracked_types import Pose2, ScanPoints, wrap_angle
+from tracked_types import Pose2, ScanPoints
 from tracked_types.setting import check_settings, setting
 
 Array = NDArray[np.float64]
@@ -111,16 +111,9 @@ class ScanMotion:
         return result
 
     def _correct(self, seen: Pose2, information: Array) -> None:
-        offset = seen.as_array() - self._pose.as_array()
-        offset[2] = wrap_angle(float(offset[2]))
-        posterior = self._covariance @ np.linalg.inv(np.eye(3) + information @ self._covariance)
-        moved = posterior @ information @ offset
-        self._pose = Pose2(
-            self._pose.x_m + float(moved[0]),
-            self._pose.y_m + float(moved[1]),
-            wrap_angle(self._pose.yaw_rad + float(moved[2])),
-        )
-        self._covariance = 0.5 * (posterior + posterior.T)
+        posterior = posterior_of(self._covariance, information)
+        offset = offset_to(seen, self._pose)
+        self._pose, self._covariance = corrected(self._pose, offset, information, posterior)
 
     def _since_last(self, seen: Pose2, information: Array) -> tuple[Pose2, Array] | None:
         """Motion since the scan before, in the frame of the base then."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from tracked_types import OccupancyMap, to_nanoseconds
 
@@ -71,17 +72,9 @@ def bare_walls(occupancy_map: OccupancyMap) -> Array:
 
 
 def without_near(points: Array, others: Array, reach_m: float) -> Array:
-    """The ``points`` (n, 2) that have none of the ``others`` (m, 2) within about ``reach_m``."""
+    """The ``points`` (n, 2) that have none of the ``others`` (m, 2) within ``reach_m``."""
     if not len(points) or not len(others):
         return points
-    low = np.minimum(points.min(axis=0), others.min(axis=0)) - 2.0 * reach_m
-    cell = np.floor((others - low) / reach_m).astype(np.int64)
-    wide = int(np.floor((np.maximum(points.max(axis=0), others.max(axis=0))[0] - low[0]) / reach_m)) + 4
-    tall = int(np.floor((np.maximum(points.max(axis=0), others.max(axis=0))[1] - low[1]) / reach_m)) + 4
-    taken = np.zeros((tall, wide), np.bool_)
-    for up in (-1, 0, 1):
-        for right in (-1, 0, 1):
-            taken[cell[:, 1] + up, cell[:, 0] + right] = True
-    place = np.floor((points - low) / reach_m).astype(np.int64)
-    kept: Array = points[~taken[place[:, 1], place[:, 0]]]
+    distance, _ = cKDTree(others).query(points, distance_upper_bound=reach_m)
+    kept: Array = points[~np.isfinite(distance)]
     return kept
