@@ -14,11 +14,10 @@ that stands 1 cm nearer.
 
 import argparse
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
+from guard_obstacles import Thing, pace_of, placing, random_thing, slowest_contact, way_to
 from numpy.typing import NDArray
 
 from sim_bridge.sensor_suite import SensorBatch
@@ -37,30 +36,8 @@ BEYOND_M = 0.10  # the braking distance
 RUN_UP_S, AFTERMATH_S = 1.2, 1.3
 HEIGHT_M = 0.5
 SEEN_M = 1.2  # a return from nearer than this is the obstacle: a pitching robot's beams meet the floor farther away
-TURN_RADIUS_M = 0.5
 NEARER_M = 0.01
 THING = "thing"
-
-
-@dataclass(frozen=True, slots=True)
-class Thing:
-    """Box or cylinder on the floor: size (m) along and across its heading."""
-
-    shape: Literal["box", "cylinder"]
-    along_m: float
-    across_m: float
-
-    def outline(self, pose: Pose2) -> Array:
-        """Points (n, 2) of its outline, some millimetres apart."""
-        if self.shape == "cylinder":
-            angles = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
-            points = 0.5 * self.along_m * np.column_stack([np.cos(angles), np.sin(angles)])
-        else:
-            side = np.linspace(-0.5, 0.5, 60)
-            half = np.full(60, 0.5)
-            edges = [(side, half), (side, -half), (half, side), (-half, side)]
-            points = np.concatenate([np.column_stack([self.along_m * u, self.across_m * v]) for u, v in edges])
-        return pose.transform(points)
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +86,7 @@ class Track:
                 self._take(batch)
         moving, pose = self._motion()
         steady = self._sent[-1].twist
-        pace = _pace(moving)
+        pace = pace_of(moving)
         way_m = max(pace**2 / (2.0 * self._robot.limits.braking_mps2) + random.uniform(*beyond_m), 0.01)
         thing, there, way_m = self._throw(moving, pose, way_m)
         thrown_ns, count, scans = simulator.stamp_ns, len(self._sent), len(self._scans)
@@ -121,7 +98,7 @@ class Track:
             now, at = self._motion()
             left_m = min(left_m, float(self._footprint.distance(at.inverse().transform(outline)).min()))
             if left_m <= 0.0 and contact_mps is None:
-                contact_mps = _pace(now)
+                contact_mps = pace_of(now)
                 end_ns = simulator.stamp_ns + round(0.25 * 1e9)  # by then a scan shows it, whatever is hit
         self._world.delete(THING)
         first = next((scan for scan in self._scans[scans:] if (scan.ranges_m < SEEN_M).any()), None)
@@ -131,7 +108,7 @@ class Track:
         if first is not None and slower is not None:
             reaction_s = seconds_between(slower.stamp_ns, first.stamp_ns)
         bound_mps, nearer_mps = (
-            _slowest(self._robot, steady, moving, way_m - short_m, known_s) for short_m in (0.0, NEARER_M)
+            slowest_contact(self._robot, steady, moving, way_m - short_m, known_s) for short_m in (0.0, NEARER_M)
         )
         if contact_mps is not None:
             self._wanted = Twist2(0.0, 0.0)
@@ -169,42 +146,20 @@ class Track:
     def _throw(self, moving: Twist2, pose: Pose2, way_m: float) -> tuple[Thing, Pose2, float]:
         """Put an obstacle where the robot would touch it after ``way_m``; the way that it is, to 4 mm."""
         while True:
-            thing = _thing(self._random)
-            place = _placing(self._random, moving, self._footprint, thing)
+            thing = random_thing(self._random)
+            place = placing(self._random, moving, self._footprint, thing)
             low, high = 0.0, 1.5
             for _ in range(20):
                 middle = 0.5 * (low + high)
-                found_m = _way_to(thing.outline(place(middle)), moving, self._footprint, way_m + 0.1)
+                found_m = way_to(thing.outline(place(middle)), moving, self._footprint, way_m + 0.1)
                 low, high = (middle, high) if found_m < way_m else (low, middle)
-            found_m = _way_to(thing.outline(place(high)), moving, self._footprint, way_m + 0.1)
+            found_m = way_to(thing.outline(place(high)), moving, self._footprint, way_m + 0.1)
             if found_m - way_m < 0.004:
                 break  # not one that the robot would pass beside
         there = pose.compose(place(high))
         size, position = (thing.along_m, thing.across_m, HEIGHT_M), (there.x_m, there.y_m, 0.5 * HEIGHT_M)
         self._world.spawn(THING, thing.shape, size, 0.0, position, (0.0, 0.0, there.yaw_rad))
         return thing, there, found_m
-
-
-def _thing(random: np.random.Generator) -> Thing:
-    if random.uniform() < 0.4:
-        diameter = random.uniform(0.06, 0.3)
-        return Thing("cylinder", diameter, diameter)
-    return Thing("box", random.uniform(0.05, 0.3), random.uniform(0.05, 0.5))
-
-
-def _placing(
-    random: np.random.Generator, moving: Twist2, footprint: Footprint, thing: Thing
-) -> Callable[[float], Pose2]:
-    """Where the thing's middle is in the robot's frame, the farther the larger the number."""
-    if abs(moving.speed_mps) < 0.05:  # beside the corner that comes round
-        along = random.uniform(0.3, 0.9) * footprint.front_m
-        side = math.copysign(1.0, moving.yaw_rate_radps)
-        nearest = footprint.half_width_m + 0.5 * thing.across_m
-        return lambda reach_m: Pose2(along, side * (nearest + reach_m), 0.0)
-    ahead = math.copysign(1.0, moving.speed_mps)
-    depth = (footprint.front_m if ahead > 0.0 else footprint.rear_m) + 0.5 * thing.along_m
-    there = Pose2(ahead * depth, random.uniform(-0.9, 0.9) * footprint.half_width_m, 0.0)
-    return lambda reach_m: _after(moving, reach_m / _pace(moving)).compose(there)
 
 
 def _twist(random: np.random.Generator) -> Twist2:
@@ -217,56 +172,9 @@ def _twist(random: np.random.Generator) -> Twist2:
     return Twist2(float(speed), float(turn))
 
 
-def _pace(twist: Twist2) -> float:
-    return max(abs(twist.speed_mps), TURN_RADIUS_M * abs(twist.yaw_rate_radps))
-
-
 def _is_slower(twist: Twist2, than: Twist2) -> bool:
     slower = abs(than.speed_mps) - abs(twist.speed_mps) > 1e-6
     return slower or abs(than.yaw_rate_radps) - abs(twist.yaw_rate_radps) > 1e-6
-
-
-def _after(twist: Twist2, time_s: float) -> Pose2:
-    turn, way = twist.yaw_rate_radps * time_s, twist.speed_mps * time_s
-    chord = way * float(np.sinc(0.5 * turn / np.pi))
-    return Pose2(chord * math.cos(0.5 * turn), chord * math.sin(0.5 * turn), turn)
-
-
-def _way_to(outline: Array, moving: Twist2, footprint: Footprint, farthest_m: float) -> float:
-    """Way until the robot's outline touches one of the points (n, 2) of its frame; infinite beyond the farthest."""
-    for way in np.arange(0.0, farthest_m, 0.001):
-        there = _after(moving, float(way) / _pace(moving))
-        if footprint.distance(there.inverse().transform(outline)).min() <= 0.0:
-            return float(way)
-    return math.inf
-
-
-def _slowest(robot: Robot, told: Twist2, moving: Twist2, way_m: float, known_s: float) -> float:
-    """Speed after ``way_m`` if each belt brakes as hard as it can once the obstacle is known; 0 if at rest before.
-
-    told: what the belts were told until then; what they slip of it, they slip on.
-    """
-    step_s, change = 1e-4, 1e-4 * robot.tracks.acceleration_limit_mps2
-    begin_s = known_s + robot.control.transport_delay_s
-    lag = 1.0 - math.exp(-step_s / robot.tracks.motor_time_constant_s)
-    half_gauge_m = 0.5 * robot.tracks.gauge_m
-    belts = np.array(
-        [told.speed_mps - half_gauge_m * told.yaw_rate_radps, told.speed_mps + half_gauge_m * told.yaw_rate_radps]
-    )
-    kept_speed = moving.speed_mps / told.speed_mps if told.speed_mps else 0.0
-    kept_turn = moving.yaw_rate_radps / told.yaw_rate_radps if told.yaw_rate_radps else 0.0
-    (left, right), (left_set, right_set) = belts.tolist(), belts.tolist()
-    time_s, gone_m = 0.0, 0.0
-    while True:
-        twist = Twist2(kept_speed * 0.5 * (left + right), kept_turn * 0.5 * (right - left) / half_gauge_m)
-        pace = _pace(twist)
-        if gone_m >= way_m or pace < 1e-3:
-            return pace if gone_m >= way_m else 0.0
-        if time_s >= begin_s:
-            left_set -= math.copysign(min(change, abs(left_set)), left_set)
-            right_set -= math.copysign(min(change, abs(right_set)), right_set)
-        left, right = left + (left_set - left) * lag, right + (right_set - right) * lag
-        gone_m, time_s = gone_m + pace * step_s, time_s + step_s
 
 
 def trials(robot: Robot, seed: int, count: int, beyond_m: tuple[float, float]) -> list[Trial]:

@@ -123,6 +123,7 @@ def test_way_that_is_blocked_for_long_is_given_up_and_the_robot_stands():
     drive.navigator.go([Pose2(3.5, 0.0, 0.0)])
     finished = drive.until_finished(20.0)
     assert finished.outcome is Outcome.ABORTED and "no headway" in finished.reason
+    assert drive.reference.inputs[-1].tolist() == [0.0, 0.0]
     for _ in range(10):
         drive.step()
     assert abs(drive.twist.speed_mps) < 1e-9 and drive.pose.x_m < 1.3

@@ -221,11 +221,6 @@ def test_a_lock_keeps_its_source_and_those_below_from_passing_and_not_those_abov
     assert passed is not None
 
 
-def test_a_lock_of_an_unknown_source_is_an_error() -> None:
-    with pytest.raises(ValueError, match="unknown source 'joystick'"):
-        CommandArbiter(SETTINGS).set_lock("joystick", locked=True)
-
-
 def test_clock_that_jumps_back_stops_the_robot_until_fresh_commands() -> None:
     arbiter = driving()
     first = arbiter.tick(CONTROL.stamp_ns(1))
@@ -256,6 +251,8 @@ def test_wall_clock_silence_ramps_with_the_newest_stamp() -> None:
 def test_an_unknown_source_is_an_error() -> None:
     with pytest.raises(ValueError, match="unknown source 'joystick'"):
         CommandArbiter(SETTINGS).offer("joystick", command(0))
+    with pytest.raises(ValueError, match="unknown source 'joystick'"):
+        CommandArbiter(SETTINGS).set_lock("joystick", locked=True)
 
 
 EVENT = st.one_of(

@@ -7,6 +7,7 @@ from tracked_description import Footprint
 from tracked_navigation.band.clearance import clearances
 from tracked_navigation.band.rollout import as_trajectory, integrated
 from tracked_navigation.band.surroundings import Surroundings
+from tracked_navigation.navigator.view import View
 from tracked_types import Pose2, Trajectory
 
 Array = NDArray[np.float64]
@@ -14,7 +15,35 @@ SPEED_MPS, YAW_RATE_RADPS = 0.08, 0.4
 _RAMP_S, _LASTS_S, _STEP_S = 0.3, 2.5, 0.05
 _WAYS = ((-1.0, 0.0), (1.0, 0.0), (-0.7, 0.5), (-0.7, -0.5), (0.7, 0.5), (0.7, -0.5), (0.0, 1.0), (0.0, -1.0))
 _GAIN_M, _LOSS_M = 0.02, 0.004
-_SEEN_M = 1.0
+_SEEN_M, _VIEW_M = 1.0, 1.5
+_PATIENCE = 5  # updates in which nothing but standing is left, before the robot moves out of the way
+
+
+class Escape:
+    """Watches for being touched, and leads out of it."""
+
+    def __init__(self) -> None:
+        self.stop()
+
+    def stop(self) -> None:
+        """Nothing of what was touches the robot any more, or matters."""
+        self._way: Trajectory | None = None
+        self._touched = 0
+
+    def note(self, *, touched: bool) -> None:
+        """Whether even braking does not keep the robot from a contact, update by update."""
+        self._touched = self._touched + 1 if touched else 0
+
+    def way(self, pose: Pose2, footprint: Footprint, view: View, stamp_ns: int, frame_id: str) -> Trajectory | None:
+        """The way out that is under way, or a new one where the robot has been touched for long; None if neither."""
+        if self._way is not None and stamp_ns < self._way.end_ns:
+            return self._way
+        self._way = None
+        if self._touched > _PATIENCE:
+            self._touched = 0
+            around = [view.obstacles_around(pose, _VIEW_M), *(mover.rim for mover in view.movers)]
+            self._way = way_out(pose, footprint, np.concatenate(around), stamp_ns, frame_id)
+        return self._way
 
 
 def way_out(pose: Pose2, footprint: Footprint, obstacles: Array, stamp_ns: int, frame_id: str) -> Trajectory | None:

@@ -1,7 +1,7 @@
 """Drives to goals on a map, one band after another."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +10,11 @@ from tracked_navigation.band import BandResult, TimedElasticBand
 from tracked_navigation.band.band_result import STOP
 from tracked_navigation.movers.mover_tracker import MoverSettings
 from tracked_navigation.navigator.arrival import Arrival, Verdict, errors
-from tracked_navigation.navigator.escape import way_out
-from tracked_navigation.navigator.global_path import GlobalPath
+from tracked_navigation.navigator.escape import Escape
+from tracked_navigation.navigator.global_path import GlobalPath, PathAnswer
 from tracked_navigation.navigator.pieces import braked, in_frame, standing
 from tracked_navigation.navigator.progress import Finished, NavigatorOutput, Outcome, Progress
+from tracked_navigation.navigator.request import Request
 from tracked_navigation.navigator.settings import NavigatorSettings
 from tracked_navigation.navigator.tether import tethered
 from tracked_navigation.navigator.view import View
@@ -34,26 +35,7 @@ from tracked_types import (
 
 Array = NDArray[np.float64]
 _HUGE = 1e5  # m, rad, m/s, rad/s: no robot is there, or so fast
-_TOUCHED_UPDATES = 5
-_ESCAPE_VIEW_M = 1.5
-_PARKING_DRIFT_M = 0.015
 _JUMP_M, _JUMP_RAD = 0.25, 0.15  # of the odometry's frame in the map, beyond which the robot was somewhere else
-
-
-@dataclass(slots=True)
-class _Request:
-    goals: list[Pose2]
-    arrival: Arrival
-    begun_ns: int | None = None
-    looked_ns: int | None = None
-    headway_ns: int = 0
-    best_left_m: float = float("inf")
-    replans: int = 0
-    waits: str = ""
-    followed: Trajectory | None = None
-    parked: Pose2 | None = None
-    escape: Trajectory | None = None
-    stood: int = 0
 
 
 class Navigator:
@@ -75,7 +57,8 @@ class Navigator:
         self._grid, self._order = PeriodGrid(settings.rate_hz), StampOrder()
         self._view: View | None = None
         self._path: GlobalPath | None = None
-        self._request: _Request | None = None
+        self._request: Request | None = None
+        self._escape = Escape()
         self._ended: Finished | None = None
         self._odom_in_map: Pose2 | None = None
 
@@ -100,14 +83,14 @@ class Navigator:
         for number, goal in enumerate(goals, start=1):
             if not np.isfinite(goal.as_array()).all():
                 raise ValueError(f"goal {number} of {len(goals)} is not finite: {goal}")
-        self._request = _Request(list(goals), Arrival(self.settings))
+        self._request = Request(self.settings, list(goals), Arrival(self.settings))
         self._path.forget()
         self._start_anew()
 
     def cancel(self) -> None:
         """Brake to rest and forget the goals; the next update says so."""
         if self._request is not None:
-            self._end(Outcome.CANCELLED, "cancelled")
+            self._end(Finished(self._order.latest_ns or 0, Outcome.CANCELLED, "cancelled"))
 
     @property
     def busy(self) -> bool:
@@ -126,7 +109,7 @@ class Navigator:
         """
         if self._order.jumps_back(odometry.stamp_ns):
             if self._request is not None:
-                self._end(Outcome.ABORTED, "the clock was set back")
+                self._end(Finished(odometry.stamp_ns, Outcome.ABORTED, "the clock was set back"))
             if self._view is not None:
                 self._view.forget()
         if not self._order.advance(odometry.stamp_ns):
@@ -158,41 +141,39 @@ class Navigator:
             return NavigatorOutput(stamp_ns, braked(odometry, limits), movers=movers, progress=progress)
         return output
 
-    def _drive(self, request: _Request, odometry: Odometry, odom_in_map: Pose2) -> NavigatorOutput | None:
+    def _drive(self, request: Request, odometry: Odometry, odom_in_map: Pose2) -> NavigatorOutput | None:
         """Along the path; None if the robot is to stand."""
         assert self._path is not None and self._view is not None
-        stamp_ns, path = odometry.stamp_ns, self._path
-        pose = odom_in_map.compose(odometry.pose)
-        if request.begun_ns is None:
-            request.begun_ns = request.headway_ns = stamp_ns
-        path.follow(pose)
+        stamp_ns, pose, map_in_odom = odometry.stamp_ns, odom_in_map.compose(odometry.pose), odom_in_map.inverse()
+        request.begin(stamp_ns)
+        self._path.follow(pose)
         while len(request.goals) > 1 and self._passes(request.goals[0], pose):
             del request.goals[0]
             request.looked_ns = None
-        if not self._look(request, pose, stamp_ns):
+        answer = self._look(request, pose, stamp_ns)
+        if answer is None:
             return None
-        changed = path.ahead if request.looked_ns == stamp_ns else None
+        band, settings = None, self.band.settings
         landed = request.arrival.update(request.goals[-1], request.followed, pose, odometry.twist, stamp_ns)
-        if landed is not None:
-            return self._land(request, landed, odometry, odom_in_map, pose)
-        escaping = self._escape(request, pose, stamp_ns)
-        if escaping is not None:
-            reference = in_frame(escaping, odometry.frame_id, odom_in_map.inverse(), from_ns=stamp_ns)
-            progress = self._progress(request, pose, stamp_ns)
-            return NavigatorOutput(stamp_ns, reference, movers=self._movers_now, progress=progress)
-        result = self._band(request, pose, odometry.twist, stamp_ns)
-        request.waits = result.reason
-        request.stood = request.stood + 1 if result.kind == STOP and result.unavoidable else 0
-        self._note_headway(request, stamp_ns)
-        if self._request is None:
+        if landed is Verdict.AGAIN:
+            self._start_anew()
             return None
-        assert result.trajectory is not None
-        request.followed = None if result.kind == STOP else result.trajectory
-        reference = in_frame(result.trajectory, odometry.frame_id, odom_in_map.inverse())
+        if landed is not None:
+            reference = self._land(request, landed, odometry, map_in_odom, pose)
+        elif way := self._escape.way(pose, settings.footprint, self._view, stamp_ns, settings.frame_id):
+            request.waits = "backs off from what touches it"
+            reference = in_frame(way, odometry.frame_id, map_in_odom, from_ns=stamp_ns)
+        else:
+            band = self._band(request, pose, odometry.twist, stamp_ns)
+            if self._request is None:
+                return None  # given up: not on along the band
+            assert band.trajectory is not None
+            reference = in_frame(band.trajectory, odometry.frame_id, map_in_odom)
+        path = self._path.ahead if answer.changed else None
         progress = self._progress(request, pose, stamp_ns)
-        return NavigatorOutput(stamp_ns, reference, result, changed, self._movers_now, progress)
+        return NavigatorOutput(stamp_ns, reference, band, path, self._view.movers, progress)
 
-    def _band(self, request: _Request, pose: Pose2, twist: Twist2, stamp_ns: int) -> BandResult:
+    def _band(self, request: Request, pose: Pose2, twist: Twist2, stamp_ns: int) -> BandResult:
         assert self._path is not None and self._view is not None
         settings, band = self.settings, self.band
         ahead = self._path.ahead
@@ -207,76 +188,47 @@ class Navigator:
             turn_rad=settings.tether_rad,
         )
         obstacles = self._view.obstacles_around(pose, settings.view_m)
-        return band.update(begin, moving, ahead, obstacles, self._view.movers, stamp_ns)
+        result = band.update(begin, moving, ahead, obstacles, self._view.movers, stamp_ns)
+        stops = result.kind == STOP
+        request.waits, request.followed = result.reason, None if stops else result.trajectory
+        self._escape.note(touched=stops and result.unavoidable)
+        request.note_left(self._path.left_m, stamp_ns)
+        self._give_up_if_stuck(request, stamp_ns)
+        return result
 
-    def _escape(self, request: _Request, pose: Pose2, stamp_ns: int) -> Trajectory | None:
-        """The way out that is under way, or a new one where the robot has been touched for long; None if neither."""
-        if request.escape is not None and stamp_ns < request.escape.end_ns:
-            return request.escape
-        request.escape = None
-        if request.stood > _TOUCHED_UPDATES:
-            assert self._view is not None
-            settings = self.band.settings
-            obstacles = self._view.obstacles_around(pose, _ESCAPE_VIEW_M)
-            discs = [mover.rim for mover in self._view.movers]
-            request.escape = way_out(
-                pose, settings.footprint, np.concatenate([obstacles, *discs]), stamp_ns, settings.frame_id
-            )
-            request.stood, request.waits = 0, "backs off from what touches it"
-        return request.escape
-
-    def _look(self, request: _Request, pose: Pose2, stamp_ns: int) -> bool:
-        """Plan where that is due; whether there is a path."""
+    def _look(self, request: Request, pose: Pose2, stamp_ns: int) -> PathAnswer | None:
+        """Plan where that is due; None if there is no path."""
         assert self._path is not None and self._view is not None
-        has_path = len(self._path.ahead) > 0
-        due = request.looked_ns is None or (
-            seconds_between(stamp_ns, request.looked_ns) >= self.settings.replan_period_s
-        )
-        if has_path and (not due or request.arrival.landing):
-            return True
+        had_path = len(self._path.ahead) > 0
+        since_s = None if request.looked_ns is None else seconds_between(stamp_ns, request.looked_ns)
+        due = since_s is None or since_s >= self.settings.replan_period_s
+        if had_path and (not due or request.arrival.landing):
+            return PathAnswer()
         answer = self._path.look(pose, request.goals, self._view.unmapped)
         request.looked_ns = stamp_ns
         if answer.reason and answer.by_map:
-            self._end(Outcome.ABORTED, answer.reason, answer.nearest)
-            return False
-        if answer.reason:
+            self._end(Finished(stamp_ns, Outcome.ABORTED, answer.reason, answer.nearest))
+        elif answer.reason:
             self._wait(request, answer.reason, stamp_ns)
-            return False
+        if answer.reason:
+            return None
         if answer.changed:
-            request.replans += has_path
-            request.best_left_m = self._path.left_m
-        return True
+            request.take_path(self._path.left_m, instead=had_path)
+        return answer
 
     def _land(
-        self, request: _Request, verdict: Verdict, odometry: Odometry, odom_in_map: Pose2, pose: Pose2
-    ) -> NavigatorOutput | None:
+        self, request: Request, verdict: Verdict, odometry: Odometry, map_in_odom: Pose2, pose: Pose2
+    ) -> Trajectory:
         """At the end of the way: what is left of it is not planned anew."""
-        stamp_ns, goal = odometry.stamp_ns, request.goals[-1]
-        if verdict is Verdict.AGAIN:
-            self._start_anew()
-            return None
+        stamp_ns, goal, followed = odometry.stamp_ns, request.goals[-1], request.followed
         if verdict is not Verdict.LANDING:
             away, turned = errors(goal, pose)
-            outcome = Outcome.SUCCEEDED if verdict is Verdict.REACHED else Outcome.ABORTED
-            reason = (
-                "" if verdict is Verdict.REACHED else f"came to rest {away:.3f} m and {turned:.3f} rad off the goal"
-            )
-            self._end(outcome, reason, error=(away, turned))
-        followed, map_in_odom = request.followed, odom_in_map.inverse()
+            missed = f"came to rest {away:.3f} m and {turned:.3f} rad off the goal"
+            outcome, reason = (Outcome.SUCCEEDED, "") if verdict is Verdict.REACHED else (Outcome.ABORTED, missed)
+            self._end(Finished(stamp_ns, outcome, reason, None, away, turned))
         if followed is not None and stamp_ns < followed.end_ns:
-            reference = in_frame(followed, odometry.frame_id, map_in_odom, from_ns=stamp_ns)
-        else:
-            reference = self._standing_at(request, map_in_odom.compose(goal), odometry)
-        progress = self._progress(request, pose, stamp_ns)
-        return NavigatorOutput(stamp_ns, reference, movers=self._movers_now, progress=progress)
-
-    @staticmethod
-    def _standing_at(request: _Request, goal: Pose2, odometry: Odometry) -> Trajectory:
-        """At rest at ``goal``, given in the odometry's frame: the same place each time, or whoever drives the last
-        centimetres would begin anew each time that localisation moves by a hair."""
-        if request.parked is None or errors(request.parked, goal)[0] > _PARKING_DRIFT_M:
-            request.parked = goal
-        return standing(request.parked, odometry.stamp_ns, odometry.frame_id)
+            return in_frame(followed, odometry.frame_id, map_in_odom, from_ns=stamp_ns)
+        return standing(request.parked_at(map_in_odom.compose(goal)), stamp_ns, odometry.frame_id)
 
     def _hindrance(self, odometry: Odometry, odom_in_map: Pose2 | None) -> str:
         """Why the robot must not drive now, in words; empty if it may."""
@@ -296,25 +248,17 @@ class Navigator:
             return f"no scan for {age_s:.1f} s"
         return ""
 
-    def _wait(self, request: _Request, reason: str, stamp_ns: int) -> None:
+    def _wait(self, request: Request, reason: str, stamp_ns: int) -> None:
         """Stand for now; too long, and the goal is given up."""
-        if request.begun_ns is None:
-            request.begun_ns = request.headway_ns = stamp_ns
+        request.begin(stamp_ns)
         request.waits, request.followed = reason, None
         self.band.forget()
         self._give_up_if_stuck(request, stamp_ns)
 
-    def _note_headway(self, request: _Request, stamp_ns: int) -> None:
-        assert self._path is not None
-        left_m = self._path.left_m
-        if left_m < request.best_left_m - self.settings.headway_m:
-            request.best_left_m, request.headway_ns = left_m, stamp_ns
-        self._give_up_if_stuck(request, stamp_ns)
-
-    def _give_up_if_stuck(self, request: _Request, stamp_ns: int) -> None:
-        stuck_s = seconds_between(stamp_ns, request.headway_ns)
-        if stuck_s > self.settings.patience_s:
-            self._end(Outcome.ABORTED, f"no headway for {stuck_s:.0f} s: {request.waits or 'the robot does not move'}")
+    def _give_up_if_stuck(self, request: Request, stamp_ns: int) -> None:
+        reason = request.given_up(stamp_ns)
+        if reason:
+            self._end(Finished(stamp_ns, Outcome.ABORTED, reason))
 
     def _note_jump(self, odom_in_map: Pose2 | None) -> None:
         before, self._odom_in_map = self._odom_in_map, odom_in_map
@@ -335,32 +279,18 @@ class Navigator:
     def _start_anew(self) -> None:
         """What was being driven is of no use any more."""
         self.band.forget()
+        self._escape.stop()
         if self._request is not None:
-            self._request.followed = self._request.parked = self._request.escape = self._request.looked_ns = None
+            self._request.start_anew()
 
-    def _end(
-        self,
-        outcome: Outcome,
-        reason: str,
-        nearest: tuple[float, float] | None = None,
-        error: tuple[float, float] = (float("nan"), float("nan")),
-    ) -> None:
-        self._request = None
-        self._ended = Finished(0, outcome, reason, nearest, *error)
+    def _end(self, finished: Finished) -> None:
+        self._request, self._ended = None, finished
 
     def _passes(self, goal: Pose2, pose: Pose2) -> bool:
         assert self._path is not None
         near = np.hypot(goal.x_m - pose.x_m, goal.y_m - pose.y_m) <= self.settings.pass_m
         return bool(near) or self._path.first_leg_done
 
-    def _progress(self, request: _Request, pose: Pose2, stamp_ns: int) -> Progress:
+    def _progress(self, request: Request, pose: Pose2, stamp_ns: int) -> Progress:
         left_m = self._path.left_m if self._path is not None else 0.0
-        return Progress(
-            pose=pose,
-            left_m=left_m,
-            left_s=left_m / self.band.settings.cruise_mps,
-            since_s=seconds_between(stamp_ns, request.begun_ns if request.begun_ns is not None else stamp_ns),
-            replans=request.replans,
-            goals_left=len(request.goals),
-            waits=request.waits,
-        )
+        return request.progress(pose, left_m, self.band.settings.cruise_mps, stamp_ns)
