@@ -171,6 +171,25 @@ def test_cancelled_in_motion_it_brakes_to_rest_and_says_so_once():
     assert drive.step().finished is None
 
 
+def test_cancelled_robot_that_brakes_worse_than_it_was_told_is_not_sent_back():
+    drive = Drive()
+    drive.navigator.go([Pose2(3.0, 0.0, 0.0)])
+    for _ in range(10):
+        drive.step()
+    drive.navigator.cancel()
+    drive.step()
+    for _ in range(3):  # it slides on instead of following the reference
+        drive.reference = None
+        drive.pose = drive.pose.compose(Pose2(0.05, 0.0, 0.0))
+        drive.step()
+    drive.reference, drive.twist = None, Twist2(0.0, 0.0)
+    stood = drive.step().reference
+    assert stood.inputs.tolist() == [[0.0, 0.0]]
+    here = drive.odom_in_map.compose(Pose2(*stood.states[-1].tolist()))
+    assert (here.x_m, here.y_m) == pytest.approx((drive.pose.x_m, drive.pose.y_m), abs=1e-9)
+    assert drive.step().reference is None
+
+
 def test_clock_that_is_set_back_ends_the_request():
     drive = Drive()
     drive.navigator.go([Pose2(3.0, 0.0, 0.0)])

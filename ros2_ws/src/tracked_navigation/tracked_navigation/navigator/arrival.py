@@ -54,14 +54,15 @@ class Arrival:
         return Verdict.AGAIN if self._attempts < self._settings.attempts else Verdict.MISSED
 
     def _rests_at(self, goal: Pose2, pose: Pose2, twist: Twist2) -> bool:
-        settings = self._settings
         away, turned = errors(goal, pose)
-        return (
-            away <= settings.reached_m
-            and turned <= settings.reached_rad
-            and abs(twist.speed_mps) <= settings.rest_speed_mps
-            and abs(twist.yaw_rate_radps) <= settings.rest_yaw_rate_radps
-        )
+        near = away <= self._settings.reached_m and turned <= self._settings.reached_rad
+        return near and rests(twist, self._settings)
+
+
+def rests(twist: Twist2, settings: NavigatorSettings) -> bool:
+    """Whether a base that moves so is at rest."""
+    calm = abs(twist.yaw_rate_radps) <= settings.rest_yaw_rate_radps
+    return calm and abs(twist.speed_mps) <= settings.rest_speed_mps
 
 
 def errors(goal: Pose2, pose: Pose2) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tracked_navigation.band import BandResult, TimedElasticBand
 from tracked_navigation.band.band_result import STOP
 from tracked_navigation.movers.mover_tracker import MoverSettings
-from tracked_navigation.navigator.arrival import Arrival, Verdict, errors
+from tracked_navigation.navigator.arrival import Arrival, Verdict, errors, rests
 from tracked_navigation.navigator.escape import Escape
 from tracked_navigation.navigator.global_path import GlobalPath, PathAnswer
 from tracked_navigation.navigator.pieces import braked, in_frame, standing
@@ -60,6 +60,7 @@ class Navigator:
         self._request: Request | None = None
         self._escape = Escape()
         self._ended: Finished | None = None
+        self._brakes = False
         self._odom_in_map: Pose2 | None = None
 
     def set_map(self, occupancy_map: OccupancyMap) -> None:
@@ -131,15 +132,28 @@ class Navigator:
         movers = self._movers_now
         if self._ended is not None:
             ended, self._ended = self._ended, None
+            self._brakes = output is None
             reference = output.reference if output is not None else braked(odometry, limits)
             return NavigatorOutput(stamp_ns, reference, movers=movers, finished=replace(ended, stamp_ns=stamp_ns))
         if self._request is None:
-            return NavigatorOutput(stamp_ns, movers=movers)
+            return NavigatorOutput(stamp_ns, self._to_rest(odometry), movers=movers)
         if output is None:
             pose = odometry.pose if odom_in_map is None else odom_in_map.compose(odometry.pose)
             progress = self._progress(self._request, pose, stamp_ns)
             return NavigatorOutput(stamp_ns, braked(odometry, limits), movers=movers, progress=progress)
         return output
+
+    def _to_rest(self, odometry: Odometry) -> Trajectory | None:
+        """Without a request: brake from where the robot is, instant by instant, and in the end stand where it stands.
+
+        Whoever follows would otherwise drive back to where the first braking would have ended.
+        """
+        if not self._brakes:
+            return None
+        self._brakes = not rests(odometry.twist, self.settings)
+        if self._brakes:
+            return braked(odometry, self.band.settings.limits)
+        return standing(odometry.pose, odometry.stamp_ns, odometry.frame_id)
 
     def _drive(self, request: Request, odometry: Odometry, odom_in_map: Pose2) -> NavigatorOutput | None:
         """Along the path; None if the robot is to stand."""
